@@ -1,0 +1,34 @@
+// Names for the few types that everything shares. Quantities are in SI units; no axis is "up".
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>  // cross products
+#include <Eigen/LU>        // 3x3 determinant and inverse
+#include <concepts>
+#include <cstdint>
+
+namespace corotet {
+
+/// Index of a vertex, an element or a block. Signed, so that differences are safe.
+using Index = std::int32_t;
+
+template <std::floating_point Scalar>
+using Vec3 = Eigen::Matrix<Scalar, 3, 1>;
+
+template <std::floating_point Scalar>
+using Mat3 = Eigen::Matrix<Scalar, 3, 3>;
+
+/// All degrees of freedom of a body: vertex-major, x y z of vertex 0, then of vertex 1, ...
+template <std::floating_point Scalar>
+using VecX = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
+
+/// An array's length as an Index. Every array in the library is bounded by the mesh, whose creation checks the range.
+template <class Container>
+[[nodiscard]] constexpr Index size_of(const Container& container) {
+  return static_cast<Index>(container.size());
+}
+
+/// An Index as an array subscript.
+[[nodiscard]] constexpr std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+}  // namespace corotet

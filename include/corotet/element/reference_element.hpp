@@ -1,0 +1,85 @@
+// What a reference element must offer; Tet4 and Tet10 are the two that the library knows.
+//
+// The reference tetrahedron has its corners at (0,0,0), (1,0,0), (0,1,0), (0,0,1) and volume 1/6. Natural coordinates
+// xi = (xi1, xi2, xi3) are the barycentric coordinates of corners 1, 2 and 3.
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <corotet/core/types.hpp>
+
+namespace corotet {
+
+/// A quadrature point: natural coordinates and weight. The weights of a rule sum to 1/6.
+struct QuadraturePoint {
+  std::array<double, 3> xi;
+  double weight;
+};
+
+/// The corners that bound an edge.
+struct ElementEdge {
+  int a, b;
+};
+
+/// The six edges of a tetrahedron, in the order in which Tet10 numbers its mid-edge nodes 4 ... 9.
+inline constexpr std::array<ElementEdge, 6> tet_edges{{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
+
+/// The four faces as corner triples, each counter-clockwise seen from outside; face f lies opposite corner f.
+inline constexpr std::array<std::array<int, 3>, 4> tet_faces{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+
+/// Laws: shape functions sum to 1, their gradients to 0; shape function a is 1 at node a and 0 at the other nodes;
+/// `stiffness_points` integrates the stiffness of a straight-sided element exactly, `mass_points` its mass.
+template <class E>
+concept ReferenceElement = requires(const Vec3<double>& xi) {
+  requires std::same_as<decltype(E::nodes), const int>;
+  requires std::same_as<decltype(E::order), const int>;
+  { E::shape(xi) } -> std::same_as<std::array<double, E::nodes>>;
+  { E::gradient(xi) } -> std::same_as<std::array<Vec3<double>, E::nodes>>;
+  E::stiffness_points.size();
+  E::mass_points.size();
+};
+
+namespace quadrature {
+
+/// Exact for polynomials of degree 1.
+inline constexpr std::array<QuadraturePoint, 1> degree1{{{{0.25, 0.25, 0.25}, 1.0 / 6.0}}};
+
+/// Exact for degree 2; points at (5 -+ sqrt 5)/20 and (5 +- 3 sqrt 5)/20 (Hammer, Marlowe & Stroud 1956).
+inline constexpr double degree2_a = 0.13819660112501051518;
+inline constexpr double degree2_b = 0.58541019662496845446;
+inline constexpr std::array<QuadraturePoint, 4> degree2{{
+    {{degree2_a, degree2_a, degree2_a}, 1.0 / 24.0},
+    {{degree2_b, degree2_a, degree2_a}, 1.0 / 24.0},
+    {{degree2_a, degree2_b, degree2_a}, 1.0 / 24.0},
+    {{degree2_a, degree2_a, degree2_b}, 1.0 / 24.0},
+}};
+
+namespace detail {
+constexpr std::array<QuadraturePoint, 14> make_degree5() {
+  // Walkington 2000: two orbits of four points (a,a,a,1-3a) and one of six points (a,a,1/2-a,1/2-a).
+  constexpr double a1 = 0.31088591926330060980, w1 = 0.11268792571801585080 / 6.0;
+  constexpr double a2 = 0.092735250310891226402, w2 = 0.073493043116361949544 / 6.0;
+  constexpr double a3 = 0.045503704125649649492, w3 = 0.042546020777081466438 / 6.0, c3 = 0.5 - a3;
+  constexpr double b1 = 1.0 - 3.0 * a1, b2 = 1.0 - 3.0 * a2;
+  return {{{{a1, a1, a1}, w1},
+           {{b1, a1, a1}, w1},
+           {{a1, b1, a1}, w1},
+           {{a1, a1, b1}, w1},
+           {{a2, a2, a2}, w2},
+           {{b2, a2, a2}, w2},
+           {{a2, b2, a2}, w2},
+           {{a2, a2, b2}, w2},
+           {{a3, a3, c3}, w3},
+           {{a3, c3, a3}, w3},
+           {{c3, a3, a3}, w3},
+           {{a3, c3, c3}, w3},
+           {{c3, a3, c3}, w3},
+           {{c3, c3, a3}, w3}}};
+}
+}  // namespace detail
+
+/// Exact for degree 5, all weights positive.
+inline constexpr std::array<QuadraturePoint, 14> degree5 = detail::make_degree5();
+
+}  // namespace quadrature
+}  // namespace corotet

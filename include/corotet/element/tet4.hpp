@@ -1,0 +1,26 @@
+// The 4-node tetrahedron: linear shape functions, one deformation gradient an element.
+#pragma once
+
+#include <corotet/element/reference_element.hpp>
+
+namespace corotet {
+
+/// Cheapest element. Stiff in bending and locks as Poisson's ratio nears 1/2: see docs/elements.md for how much.
+struct Tet4 {
+  static constexpr int nodes = 4;
+  static constexpr int order = 1;
+  static constexpr auto stiffness_points = quadrature::degree1;
+  static constexpr auto mass_points = quadrature::degree2;
+
+  /// Shape functions at natural coordinates `xi`, one a node.
+  static std::array<double, nodes> shape(const Vec3<double>& xi) { return {1 - xi.sum(), xi[0], xi[1], xi[2]}; }
+
+  /// Their gradients with respect to `xi`, one a node; constant.
+  static std::array<Vec3<double>, nodes> gradient(const Vec3<double>& /*xi*/) {
+    return {Vec3<double>(-1, -1, -1), Vec3<double>(1, 0, 0), Vec3<double>(0, 1, 0), Vec3<double>(0, 0, 1)};
+  }
+};
+
+static_assert(ReferenceElement<Tet4>);
+
+}  // namespace corotet

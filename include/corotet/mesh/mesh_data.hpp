@@ -1,0 +1,26 @@
+// A mesh as it comes from a file, a mesher or a program: unchecked arrays. TetMesh::create checks it.
+#pragma once
+
+#include <corotet/core/types.hpp>
+#include <string>
+#include <vector>
+
+namespace corotet {
+
+/// Vertices and elements before validation, always in double: a reader does not know in which precision the mesh will
+/// be used.
+struct MeshData {
+  std::vector<Vec3<double>> positions;  ///< rest positions, m
+  std::vector<Index>
+      connectivity;           ///< `nodes_per_element` 0-based vertex indices for each element, in Tet4/Tet10 order
+  int nodes_per_element = 4;  ///< 4 or 10
+  std::vector<int> regions;   ///< one tag an element (physical group, attribute, material set), or empty
+
+  /// What the reader changed or left out, in words: "ignored 312 triangles", "vertex numbers start at 1".
+  std::vector<std::string> notes;
+
+  [[nodiscard]] Index vertex_count() const { return size_of(positions); }
+  [[nodiscard]] Index element_count() const { return size_of(connectivity) / nodes_per_element; }
+};
+
+}  // namespace corotet

@@ -1,0 +1,106 @@
+// A checked tetrahedral mesh: what every other part of the library may rely on.
+#pragma once
+
+#include <array>
+#include <corotet/core/result.hpp>
+#include <corotet/core/types.hpp>
+#include <corotet/element/reference_element.hpp>
+#include <corotet/element/tet10.hpp>
+#include <corotet/element/tet4.hpp>
+#include <corotet/mesh/mesh_data.hpp>
+#include <corotet/mesh/validate.hpp>
+#include <utility>
+#include <vector>
+
+namespace corotet {
+
+/// Rest positions and elements. Invariants, established by `create` and kept for life: every index is in range; no
+/// element names a vertex twice; every vertex belongs to an element; every element has positive volume (for Tet10:
+/// a positive Jacobian at each quadrature point); every number is finite.
+template <std::floating_point Scalar, ReferenceElement Element = Tet4>
+class TetMesh {
+ public:
+  using scalar_type = Scalar;
+  using element_type = Element;
+  using Nodes = std::array<Index, Element::nodes>;
+
+  /// Checks `data` and takes it over. Elements with the opposite winding are turned round and counted in
+  /// `flipped_elements()`. `origin` (m) is subtracted from all positions before they are rounded to Scalar: give the
+  /// centre of a mesh that lies far from 0 to keep float precision; everything else then works in coordinates relative
+  /// to it.
+  /// Errors: empty_mesh, invalid_argument (wrong nodes_per_element: see raise_order and lower_order; array lengths),
+  /// index_out_of_range, duplicate_node, unreferenced_vertex (see remove_unreferenced), non_finite_value,
+  /// degenerate_element; each names the element or vertex.
+  [[nodiscard]] static Result<TetMesh> create(MeshData data, const Vec3<double>& origin = Vec3<double>::Zero()) {
+    if (Status status = detail::check_arrays(data, Element::nodes); !status) return status.error();
+
+    TetMesh mesh;
+    mesh.origin_ = origin;
+    mesh.positions_.reserve(data.positions.size());
+    for (Vec3<double>& x : data.positions) {
+      mesh.positions_.push_back((x - origin).template cast<Scalar>());
+      if (!mesh.positions_.back().allFinite())
+        return Error{ErrorCode::non_finite_value, detail::vertex_name(size_of(mesh.positions_) - 1),
+                     "its position is not a finite number in this precision"};
+      x = mesh.positions_.back().template cast<double>();  // volumes are judged on what is kept
+    }
+
+    mesh.elements_.resize(data.connectivity.size() / Element::nodes);
+    for (Index e = 0; e < mesh.element_count(); ++e) {
+      Nodes& nodes = mesh.elements_[at(e)];
+      std::copy_n(data.connectivity.begin() + std::ptrdiff_t{e} * Element::nodes, Element::nodes, nodes.begin());
+      const double volume = detail::corner_volume(data.positions, nodes.data());
+      if (volume < 0) {
+        detail::turn_round(nodes);
+        ++mesh.flipped_elements_;
+      }
+      const auto epsilon = static_cast<double>(std::numeric_limits<Scalar>::epsilon());
+      if (Status status = detail::check_volume<Element>(data.positions, nodes, e, epsilon); !status)
+        return status.error();
+    }
+    mesh.regions_ = std::move(data.regions);
+    return mesh;
+  }
+
+  [[nodiscard]] Index vertex_count() const { return size_of(positions_); }
+  [[nodiscard]] Index element_count() const { return size_of(elements_); }
+
+  /// Rest positions relative to `origin()`, m.
+  [[nodiscard]] const std::vector<Vec3<Scalar>>& positions() const { return positions_; }
+  [[nodiscard]] const Vec3<Scalar>& position(Index vertex) const { return positions_[at(vertex)]; }
+
+  [[nodiscard]] const std::vector<Nodes>& elements() const { return elements_; }
+  [[nodiscard]] const Nodes& element(Index e) const { return elements_[at(e)]; }
+
+  /// One tag an element, or empty.
+  [[nodiscard]] const std::vector<int>& regions() const { return regions_; }
+
+  /// What was subtracted from the positions given to `create`, m.
+  [[nodiscard]] const Vec3<double>& origin() const { return origin_; }
+
+  /// How many elements `create` turned round.
+  [[nodiscard]] Index flipped_elements() const { return flipped_elements_; }
+
+  /// The mesh as unchecked data in double, in the coordinates given to `create`: for writers and converters.
+  [[nodiscard]] MeshData data() const {
+    MeshData out;
+    out.nodes_per_element = Element::nodes;
+    out.positions.reserve(positions_.size());
+    for (const Vec3<Scalar>& x : positions_) out.positions.push_back(x.template cast<double>() + origin_);
+    out.connectivity.reserve(elements_.size() * Element::nodes);
+    for (const Nodes& nodes : elements_) out.connectivity.insert(out.connectivity.end(), nodes.begin(), nodes.end());
+    out.regions = regions_;
+    return out;
+  }
+
+ private:
+  TetMesh() = default;
+
+  std::vector<Vec3<Scalar>> positions_;
+  std::vector<Nodes> elements_;
+  std::vector<int> regions_;
+  Vec3<double> origin_ = Vec3<double>::Zero();
+  Index flipped_elements_ = 0;
+};
+
+}  // namespace corotet

@@ -1,0 +1,105 @@
+// The checks behind TetMesh::create, each with an error that names the culprit.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <corotet/core/result.hpp>
+#include <corotet/core/types.hpp>
+#include <corotet/element/reference_element.hpp>
+#include <corotet/mesh/mesh_data.hpp>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace corotet::detail {
+
+inline std::string vertex_name(Index v) { return "vertex " + std::to_string(v); }
+inline std::string element_name(Index e) { return "element " + std::to_string(e); }
+
+/// Lengths, index range, repeated nodes, vertices without an element.
+inline Status check_arrays(const MeshData& data, int nodes_per_element) {
+  if (data.positions.empty()) return Error{ErrorCode::empty_mesh, "mesh", "it has no vertices"};
+  if (data.connectivity.empty()) return Error{ErrorCode::empty_mesh, "mesh", "it has no elements"};
+  // A body has 3 degrees of freedom a vertex and up to 30 index slots an element, all counted by Index.
+  constexpr std::size_t most = std::size_t{std::numeric_limits<Index>::max()} / 30;
+  if (data.positions.size() > most || data.connectivity.size() > most * 4)
+    return Error{ErrorCode::unsupported, "mesh", "it is too large for 32-bit indices"};
+  if (data.nodes_per_element != nodes_per_element)
+    return Error{ErrorCode::invalid_argument, "mesh",
+                 "its elements have " + std::to_string(data.nodes_per_element) + " nodes, this mesh type has " +
+                     std::to_string(nodes_per_element) + " (raise_order and lower_order convert)"};
+  if (data.connectivity.size() % at(nodes_per_element) != 0)
+    return Error{ErrorCode::invalid_argument, "mesh",
+                 "connectivity has " + std::to_string(data.connectivity.size()) + " entries, not a multiple of " +
+                     std::to_string(nodes_per_element)};
+  if (!data.regions.empty() && size_of(data.regions) != data.element_count())
+    return Error{ErrorCode::invalid_argument, "mesh", "regions must hold one tag an element, or be empty"};
+
+  std::vector<bool> referenced(data.positions.size(), false);
+  for (Index e = 0; e < data.element_count(); ++e) {
+    const Index* nodes = data.connectivity.data() + std::ptrdiff_t{e} * nodes_per_element;
+    for (int a = 0; a < nodes_per_element; ++a) {
+      const Index v = nodes[a];
+      if (v < 0 || v >= data.vertex_count())
+        return Error{ErrorCode::index_out_of_range, element_name(e),
+                     "it names vertex " + std::to_string(v) + ", but the mesh has vertices 0 to " +
+                         std::to_string(data.vertex_count() - 1)};
+      if (std::find(nodes, nodes + a, v) != nodes + a)
+        return Error{ErrorCode::duplicate_node, element_name(e), "it names vertex " + std::to_string(v) + " twice"};
+      referenced[at(v)] = true;
+    }
+  }
+  const auto lonely = std::find(referenced.begin(), referenced.end(), false);
+  if (lonely != referenced.end())
+    return Error{ErrorCode::unreferenced_vertex, vertex_name(static_cast<Index>(lonely - referenced.begin())),
+                 "it belongs to no element, so it would have no mass (remove_unreferenced drops such vertices)"};
+  return {};
+}
+
+/// Signed volume of the tetrahedron of the corners, m^3.
+inline double corner_volume(const std::vector<Vec3<double>>& x, const Index* nodes) {
+  const Vec3<double>& o = x[at(nodes[0])];
+  return (x[at(nodes[1])] - o).cross(x[at(nodes[2])] - o).dot(x[at(nodes[3])] - o) / 6;
+}
+
+/// Reverses the winding by exchanging corners 1 and 2, and with them the mid-edge nodes that they move.
+template <std::size_t N>
+void turn_round(std::array<Index, N>& nodes) {
+  std::swap(nodes[1], nodes[2]);
+  if constexpr (N == 10) {
+    std::swap(nodes[4], nodes[6]);  // edges 0-1 and 0-2
+    std::swap(nodes[8], nodes[9]);  // edges 1-3 and 2-3
+  }
+}
+
+/// Positive Jacobian at each quadrature point, measured against rounding in positions of precision `epsilon`.
+template <ReferenceElement Element>
+Status check_volume(const std::vector<Vec3<double>>& x, const std::array<Index, Element::nodes>& nodes, Index e,
+                    double epsilon) {
+  // Rounding moves each vertex by epsilon times its distance from the origin, and with it the determinant.
+  double largest = 0;
+  for (const Index v : nodes) largest = std::max(largest, x[at(v)].cwiseAbs().maxCoeff());
+  const auto check_points = [&](const auto& points) -> Status {
+    for (const QuadraturePoint& point : points) {
+      const auto gradient = Element::gradient(Vec3<double>(point.xi[0], point.xi[1], point.xi[2]));
+      Mat3<double> jacobian = Mat3<double>::Zero();
+      for (std::size_t a = 0; a < nodes.size(); ++a) jacobian += x[at(nodes[a])] * gradient[a].transpose();
+      const double det = jacobian.determinant();
+      const double size = jacobian.colwise().norm().maxCoeff();
+      const double rounding = 4 * epsilon * size * size * std::max(size, largest);
+      if (!(det > rounding) || !std::isfinite(det)) {
+        const bool curved = Element::order > 1 && corner_volume(x, nodes.data()) * 6 > rounding;
+        return Error{ErrorCode::degenerate_element, element_name(e),
+                     curved ? "its edges are curved so far that it folds over itself"
+                            : "its volume is zero to rounding (" + std::to_string(det / 6) + " m^3)"};
+      }
+    }
+    return {};
+  };
+  if (Status status = check_points(Element::stiffness_points); !status) return status;
+  if constexpr (Element::order > 1) return check_points(Element::mass_points);
+  return {};
+}
+
+}  // namespace corotet::detail
