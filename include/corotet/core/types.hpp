@@ -6,6 +6,7 @@
 #include <Eigen/LU>        // 3x3 determinant and inverse
 #include <concepts>
 #include <cstdint>
+#include <vector>
 
 namespace corotet {
 
@@ -21,6 +22,20 @@ using Mat3 = Eigen::Matrix<Scalar, 3, 3>;
 /// All degrees of freedom of a body: vertex-major, x y z of vertex 0, then of vertex 1, ...
 template <std::floating_point Scalar>
 using VecX = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
+
+/// One vector a vertex: positions, displacements, velocities, forces.
+template <std::floating_point Scalar>
+using Field = std::vector<Vec3<Scalar>>;
+
+/// A field as one column of numbers, 3n x 1, vertex-major x y z. A view: valid as long as the field is not resized.
+template <std::floating_point Scalar>
+[[nodiscard]] Eigen::Map<VecX<Scalar>> flat(Field<Scalar>& field) {
+  return {field.empty() ? nullptr : field.front().data(), static_cast<Eigen::Index>(3 * field.size())};
+}
+template <std::floating_point Scalar>
+[[nodiscard]] Eigen::Map<const VecX<Scalar>> flat(const Field<Scalar>& field) {
+  return {field.empty() ? nullptr : field.front().data(), static_cast<Eigen::Index>(3 * field.size())};
+}
 
 /// An array's length as an Index. Every array in the library is bounded by the mesh, whose creation checks the range.
 template <class Container>

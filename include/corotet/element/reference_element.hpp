@@ -6,35 +6,38 @@
 
 #include <array>
 #include <concepts>
-#include <corotet/core/types.hpp>
+#include <cstddef>
 
 namespace corotet {
 
+/// (xi1, xi2, xi3), or a gradient with respect to them. Plain numbers, so that tables are made by the compiler.
+using NaturalCoordinates = std::array<double, 3>;
+
 /// A quadrature point: natural coordinates and weight. The weights of a rule sum to 1/6.
 struct QuadraturePoint {
-  std::array<double, 3> xi;
+  NaturalCoordinates xi;
   double weight;
 };
 
 /// The corners that bound an edge.
 struct ElementEdge {
-  int a, b;
+  std::size_t a, b;
 };
 
 /// The six edges of a tetrahedron, in the order in which Tet10 numbers its mid-edge nodes 4 ... 9.
 inline constexpr std::array<ElementEdge, 6> tet_edges{{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
 
 /// The four faces as corner triples, each counter-clockwise seen from outside; face f lies opposite corner f.
-inline constexpr std::array<std::array<int, 3>, 4> tet_faces{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+inline constexpr std::array<std::array<std::size_t, 3>, 4> tet_faces{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
 /// Laws: shape functions sum to 1, their gradients to 0; shape function a is 1 at node a and 0 at the other nodes;
 /// `stiffness_points` integrates the stiffness of a straight-sided element exactly, `mass_points` its mass.
 template <class E>
-concept ReferenceElement = requires(const Vec3<double>& xi) {
+concept ReferenceElement = requires(const NaturalCoordinates& xi) {
   requires std::same_as<decltype(E::nodes), const int>;
   requires std::same_as<decltype(E::order), const int>;
   { E::shape(xi) } -> std::same_as<std::array<double, E::nodes>>;
-  { E::gradient(xi) } -> std::same_as<std::array<Vec3<double>, E::nodes>>;
+  { E::gradient(xi) } -> std::same_as<std::array<NaturalCoordinates, E::nodes>>;
   E::stiffness_points.size();
   E::mass_points.size();
 };

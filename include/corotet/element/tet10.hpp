@@ -15,30 +15,33 @@ struct Tet10 {
 
   /// Shape functions at natural coordinates `xi`: L(2L-1) at a corner, 4 La Lb on an edge (L = barycentric
   /// coordinates).
-  static std::array<double, nodes> shape(const Vec3<double>& xi) {
+  static constexpr std::array<double, nodes> shape(const NaturalCoordinates& xi) {
     const std::array<double, 4> l = barycentric(xi);
     std::array<double, nodes> n{};
     for (std::size_t c = 0; c < 4; ++c) n[c] = l[c] * (2 * l[c] - 1);
-    for (std::size_t e = 0; e < 6; ++e) n[4 + e] = 4 * l[at(tet_edges[e].a)] * l[at(tet_edges[e].b)];
+    for (std::size_t e = 0; e < 6; ++e) n[4 + e] = 4 * l[tet_edges[e].a] * l[tet_edges[e].b];
     return n;
   }
 
   /// Their gradients with respect to `xi`, one a node; linear in `xi`.
-  static std::array<Vec3<double>, nodes> gradient(const Vec3<double>& xi) {
+  static constexpr std::array<NaturalCoordinates, nodes> gradient(const NaturalCoordinates& xi) {
     const std::array<double, 4> l = barycentric(xi);
-    const std::array<Vec3<double>, 4> dl{Vec3<double>(-1, -1, -1), Vec3<double>(1, 0, 0), Vec3<double>(0, 1, 0),
-                                         Vec3<double>(0, 0, 1)};
-    std::array<Vec3<double>, nodes> g;
-    for (std::size_t c = 0; c < 4; ++c) g[c] = (4 * l[c] - 1) * dl[c];
-    for (std::size_t e = 0; e < 6; ++e) {
-      const std::size_t a = at(tet_edges[e].a), b = at(tet_edges[e].b);
-      g[4 + e] = 4 * (l[a] * dl[b] + l[b] * dl[a]);
+    constexpr std::array<NaturalCoordinates, 4> dl{{{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    std::array<NaturalCoordinates, nodes> g{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t c = 0; c < 4; ++c) g[c][i] = (4 * l[c] - 1) * dl[c][i];
+      for (std::size_t e = 0; e < 6; ++e) {
+        const auto [a, b] = tet_edges[e];
+        g[4 + e][i] = 4 * (l[a] * dl[b][i] + l[b] * dl[a][i]);
+      }
     }
     return g;
   }
 
  private:
-  static std::array<double, 4> barycentric(const Vec3<double>& xi) { return {1 - xi.sum(), xi[0], xi[1], xi[2]}; }
+  static constexpr std::array<double, 4> barycentric(const NaturalCoordinates& xi) {
+    return {1 - xi[0] - xi[1] - xi[2], xi[0], xi[1], xi[2]};
+  }
 };
 
 static_assert(ReferenceElement<Tet10>);

@@ -13,11 +13,13 @@ struct Tet4 {
   static constexpr auto mass_points = quadrature::degree2;
 
   /// Shape functions at natural coordinates `xi`, one a node.
-  static std::array<double, nodes> shape(const Vec3<double>& xi) { return {1 - xi.sum(), xi[0], xi[1], xi[2]}; }
+  static constexpr std::array<double, nodes> shape(const NaturalCoordinates& xi) {
+    return {1 - xi[0] - xi[1] - xi[2], xi[0], xi[1], xi[2]};
+  }
 
   /// Their gradients with respect to `xi`, one a node; constant.
-  static std::array<Vec3<double>, nodes> gradient(const Vec3<double>& /*xi*/) {
-    return {Vec3<double>(-1, -1, -1), Vec3<double>(1, 0, 0), Vec3<double>(0, 1, 0), Vec3<double>(0, 0, 1)};
+  static constexpr std::array<NaturalCoordinates, nodes> gradient(const NaturalCoordinates& /*xi*/) {
+    return {{{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   }
 };
 

@@ -82,9 +82,10 @@ Status check_volume(const std::vector<Vec3<double>>& x, const std::array<Index, 
   for (const Index v : nodes) largest = std::max(largest, x[at(v)].cwiseAbs().maxCoeff());
   const auto check_points = [&](const auto& points) -> Status {
     for (const QuadraturePoint& point : points) {
-      const auto gradient = Element::gradient(Vec3<double>(point.xi[0], point.xi[1], point.xi[2]));
+      const auto gradient = Element::gradient(point.xi);
       Mat3<double> jacobian = Mat3<double>::Zero();
-      for (std::size_t a = 0; a < nodes.size(); ++a) jacobian += x[at(nodes[a])] * gradient[a].transpose();
+      for (std::size_t a = 0; a < nodes.size(); ++a)
+        jacobian += x[at(nodes[a])] * Eigen::Map<const Vec3<double>>(gradient[a].data()).transpose();
       const double det = jacobian.determinant();
       const double size = jacobian.colwise().norm().maxCoeff();
       const double rounding = 4 * epsilon * size * size * std::max(size, largest);
