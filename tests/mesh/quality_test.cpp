@@ -110,8 +110,9 @@ TEST(ElementQualityTest, DefectsByName) {
   EXPECT_EQ(classify(measure({Vec3<double>(0, 0, 0), {0, 0, 0.02}, {1, -0.5, 0}, {1, 0.5, 0}})), ElementDefect::wedge);
   EXPECT_EQ(classify(measure({Vec3<double>(0, 0, 0), {1, 0, 0}, {0, 1, 0}, {2, 3, 0}})), ElementDefect::flat);
   EXPECT_EQ(classify(measure({Vec3<double>(0, 0, 0), {0, 1, 0}, {1, 0, 0}, {0, 0, 1}})), ElementDefect::inverted);
-  // A corner close to the middle of an edge.
-  EXPECT_EQ(classify(measure({Vec3<double>(0, 0, 0), {2, 0, 0}, {1, 1, 0}, {1, 0.02, 0.02}})), ElementDefect::flat);
+  // A corner close to the middle of an edge: on the opposite face, or beside it.
+  EXPECT_EQ(classify(measure({Vec3<double>(0, 0, 0), {2, 0, 0}, {1, 1, 0}, {1, 0.02, 0.02}})), ElementDefect::cap);
+  EXPECT_EQ(classify(measure({Vec3<double>(0, 0, 0), {2, 0, 0}, {1, 1, 0}, {1, 0, 0.02}})), ElementDefect::flat);
   for (const ElementDefect defect :
        {ElementDefect::none, ElementDefect::inverted, ElementDefect::flat, ElementDefect::curved, ElementDefect::sliver,
         ElementDefect::cap, ElementDefect::wedge, ElementDefect::needle}) {
