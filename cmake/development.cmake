@@ -1,0 +1,21 @@
+# For our own programs, tests, examples and benchmarks only: nothing here reaches a user of the library.
+option(COROTET_WARNINGS_AS_ERRORS "Turn compiler warnings in our own code into errors" OFF)
+
+# Fetched into another project, our programs are built with that project's settings; alone, without asserts by default.
+if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Release, Debug, RelWithDebInfo or MinSizeRel" FORCE)
+endif()
+
+add_library(corotet_warnings INTERFACE)
+if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+  target_compile_options(corotet_warnings INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow
+                                                    $<$<BOOL:${COROTET_WARNINGS_AS_ERRORS}>:-Werror>)
+endif()
+
+# The library promises to work without exceptions and RTTI, so its tests are compiled without them.
+add_library(corotet_no_exceptions INTERFACE)
+if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+  target_compile_options(corotet_no_exceptions INTERFACE -fno-exceptions -fno-rtti)
+endif()
+
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)

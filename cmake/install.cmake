@@ -1,0 +1,22 @@
+# The CMake package: headers, corotet::corotet, and the recipes for the opt-in components.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set(package_dir ${CMAKE_INSTALL_DATADIR}/cmake/corotet)  # share/: nothing in it depends on the machine
+
+# An absolute CMAKE_INSTALL_INCLUDEDIR is allowed, so the path must not be put behind the prefix here.
+target_include_directories(corotet INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+install(TARGETS corotet EXPORT corotet-targets)
+install(EXPORT corotet-targets NAMESPACE corotet:: DESTINATION ${package_dir})
+install(DIRECTORY include/corotet DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp")
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+configure_package_config_file(cmake/corotet-config.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/corotet-config.cmake
+                              INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/corotet-config-version.cmake
+                                 COMPATIBILITY SameMajorVersion ARCH_INDEPENDENT)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/corotet-config.cmake
+              ${CMAKE_CURRENT_BINARY_DIR}/corotet-config-version.cmake
+              cmake/corotet-dependencies.cmake
+              cmake/FindCHOLMOD.cmake
+        DESTINATION ${package_dir})

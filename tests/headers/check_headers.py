@@ -1,0 +1,139 @@
+#!/usr/bin/env python3
+"""Checks rules about the headers that no compiler enforces.
+
+Usage: check_headers.py RULE INCLUDE_DIR [--opt-in HEADER ...]
+
+RULE is one of
+  layers     a header includes only its own folder and the folders below it
+  forbidden  no exceptions, RTTI, printing or exiting, and no macro but COROTET_...
+  length     under 300 lines a header, at most 120 characters a line
+  umbrella   corotet/corotet.hpp reaches every header but the opt-in ones, and none of those
+Prints one line a violation, as file:line: reason, and ends with 1 if there is any.
+"""
+
+import argparse
+import re
+import sys
+from pathlib import Path
+
+# Lowest first. Element comes before mesh because a mesh is a template over its element.
+LAYERS = ["core", "element", "mesh", "material", "rotation", "assembly", "solve", "dynamics", "embed", "scene"]
+
+FORBIDDEN = [
+    (r"\bthrow\b|\btry\b|\bcatch\b", "the library does not use exceptions: return a Result or a Status"),
+    (r"\.at\(|->at\(|\bstd::sto(i|l|ll|ul|ull|f|d|ld)\b", "throws on bad input: check the range, or use std::from_chars"),
+    (r"\bdynamic_cast\b|\btypeid\b", "the library is used without RTTI"),
+    (r"#\s*include\s*<(iostream|cassert|assert\.h)>", "the library does not print, and asserts by COROTET_ASSERT"),
+    (r"\bv?printf\s*\(|\b(puts|putchar)\s*\(|\bstd::(cout|cerr|clog)\b|\bstd(out|err)\b", "the library does not print"),
+    (r"\b(exit|_Exit|quick_exit|abort|terminate)\s*\(", "the library does not end the program"),
+    (r"\bassert\s*\(", "assert by COROTET_ASSERT, whose handler can be replaced"),
+    (r"#\s*define\s+(?!COROTET_)\w+|#\s*undef\b", "a macro must start with COROTET_ and stay defined"),
+]
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*[<"](corotet/[^>"]+)[>"]', re.MULTILINE)
+# Comments, string and character literals (a digit separator such as 1'000 is not the start of a literal).
+INERT = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|(?<![0-9A-Fa-f])\'(?:\\.|[^\'\\\n])+\'', re.DOTALL)
+
+
+def code_of(text):
+    """The text with comments and literals blanked, lines kept; #include lines keep their file names."""
+
+    def blank(match):
+        return re.sub(r"[^\n]", " ", match.group())
+
+    return INERT.sub(blank, text)
+
+
+def line_of(text, position):
+    return text.count("\n", 0, position) + 1
+
+
+def headers_in(include_dir):
+    return {path.relative_to(include_dir).as_posix(): path for path in sorted(include_dir.rglob("*.hpp"))}
+
+
+def layer_of(header):
+    parts = header.split("/")
+    return parts[1] if len(parts) > 2 else None
+
+
+def check_layers(headers, _opt_in):
+    for name, path in headers.items():
+        layer = layer_of(name)
+        if layer is None:
+            if name != "corotet/corotet.hpp":
+                yield f"{name}:1: only corotet.hpp lies outside the folders {', '.join(LAYERS)}"
+            continue
+        if layer not in LAYERS:
+            yield f"{name}:1: folder {layer} has no place in the order {' < '.join(LAYERS)}"
+            continue
+        text = path.read_text(encoding="utf-8")
+        for match in INCLUDE.finditer(text):
+            target, where = match.group(1), f"{name}:{line_of(text, match.start(1))}"
+            if target not in headers:
+                yield f"{where}: includes {target}, which does not exist"
+            elif layer_of(target) not in LAYERS or LAYERS.index(layer_of(target)) > LAYERS.index(layer):
+                yield f"{where}: {layer} may not include {target}; the order is {' < '.join(LAYERS)}"
+
+
+def check_forbidden(headers, _opt_in):
+    for name, path in headers.items():
+        text = code_of(path.read_text(encoding="utf-8"))
+        for pattern, reason in FORBIDDEN:
+            for match in re.finditer(pattern, text):
+                yield f"{name}:{line_of(text, match.start())}: '{match.group().strip()}': {reason}"
+
+
+def check_length(headers, _opt_in):
+    for name, path in headers.items():
+        lines = path.read_text(encoding="utf-8").splitlines()
+        if len(lines) >= 300:
+            yield f"{name}:{len(lines)}: {len(lines)} lines; a header stays under 300"
+        for number, line in enumerate(lines, 1):
+            if len(line) > 120:
+                yield f"{name}:{number}: {len(line)} characters; a line has at most 120"
+
+
+def check_umbrella(headers, opt_in):
+    root = "corotet/corotet.hpp"
+    if root not in headers:
+        yield f"{root}:1: does not exist"
+        return
+    reached, waiting = set(), [root]
+    while waiting:
+        name = waiting.pop()
+        if name in reached or name not in headers:
+            continue
+        reached.add(name)
+        waiting += INCLUDE.findall(headers[name].read_text(encoding="utf-8"))
+    for name in headers:
+        if name in opt_in and name in reached:
+            yield f"{root}:1: reaches {name}, which is opt-in"
+        if name not in opt_in and name not in reached:
+            yield f"{root}:1: does not reach {name}: include it there"
+
+
+RULES = {"layers": check_layers, "forbidden": check_forbidden, "length": check_length, "umbrella": check_umbrella}
+
+
+def violations(rule, include_dir, opt_in=()):
+    headers = headers_in(Path(include_dir))
+    if not headers:
+        return [f"{include_dir}: no headers here"]
+    return list(RULES[rule](headers, set(opt_in)))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("rule", choices=RULES)
+    parser.add_argument("include_dir", type=Path)
+    parser.add_argument("--opt-in", nargs="*", default=[], metavar="HEADER")
+    arguments = parser.parse_args()
+    found = violations(arguments.rule, arguments.include_dir, arguments.opt_in)
+    for line in found:
+        print(line)
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,94 @@
+"""The header checks find what they are for, and nothing else."""
+
+import tempfile
+import unittest
+from pathlib import Path
+
+import check_headers
+
+
+class CheckHeaders(unittest.TestCase):
+    def run_rule(self, rule, files, opt_in=()):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, text in files.items():
+                path = Path(folder) / name
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text(text, encoding="utf-8")
+            return check_headers.violations(rule, folder, opt_in)
+
+    def test_an_empty_folder_is_a_violation_of_every_rule(self):
+        for rule in check_headers.RULES:
+            self.assertTrue(self.run_rule(rule, {}), rule)
+
+    def test_includes_point_downwards_only(self):
+        core, mesh = "corotet/core/a.hpp", "corotet/mesh/b.hpp"
+        down = {core: "", mesh: "#include <corotet/core/a.hpp>\n"}
+        up = {core: "// first line\n#include <corotet/mesh/b.hpp>\n", mesh: ""}
+        self.assertEqual(self.run_rule("layers", down), [])
+        found = self.run_rule("layers", up)
+        self.assertEqual(len(found), 1)
+        self.assertTrue(found[0].startswith("corotet/core/a.hpp:2:"), found)
+
+    def test_a_missing_header_an_unknown_folder_and_the_umbrella_are_refused_as_includes(self):
+        self.assertTrue(self.run_rule("layers", {"corotet/core/a.hpp": "#include <corotet/core/none.hpp>"}))
+        self.assertTrue(self.run_rule("layers", {"corotet/other/a.hpp": ""}))
+        self.assertTrue(
+            self.run_rule(
+                "layers", {"corotet/corotet.hpp": "", "corotet/scene/a.hpp": "#include <corotet/corotet.hpp>"}
+            )
+        )
+
+    def test_each_forbidden_thing_is_found_with_its_line(self):
+        for code in [
+            "throw 1;",
+            "try {",
+            "v.at(0);",
+            "std::stoi(s);",
+            "dynamic_cast<A*>(b);",
+            "typeid(x);",
+            "#include <iostream>",
+            "#include <cassert>",
+            'printf("x");',
+            "std::cout << x;",
+            "fputs(s, stderr);",
+            "exit(1);",
+            "std::abort();",
+            "assert(x);",
+            "#define ALIGN 16",
+            "#undef COROTET_X",
+        ]:
+            found = self.run_rule("forbidden", {"corotet/core/a.hpp": "int x;\n" + code + "\n"})
+            self.assertEqual(len(found), 1, (code, found))
+            self.assertTrue(found[0].startswith("corotet/core/a.hpp:2:"), found)
+
+    def test_words_in_comments_literals_and_longer_names_are_allowed(self):
+        code = """// throw, try, exit(1)
+/* abort()
+   std::cout */
+#define COROTET_X 1
+const char* text = "throw \\" exit(1)";
+char quote = '"'; int million = 1'000'000; char other = '"';
+static_assert(true); trap_on_assert(); at(i); std::snprintf(b, n, f); retry(); on_exit_code(3);
+"""
+        self.assertEqual(self.run_rule("forbidden", {"corotet/core/a.hpp": code}), [])
+
+    def test_length_limits(self):
+        self.assertEqual(self.run_rule("length", {"corotet/core/a.hpp": "x\n" * 299}), [])
+        self.assertEqual(len(self.run_rule("length", {"corotet/core/a.hpp": "x\n" * 300})), 1)
+        self.assertEqual(self.run_rule("length", {"corotet/core/a.hpp": "x" * 120}), [])
+        self.assertEqual(len(self.run_rule("length", {"corotet/core/a.hpp": "x" * 121})), 1)
+
+    def test_umbrella_reaches_all_but_the_opt_in_headers(self):
+        files = {
+            "corotet/corotet.hpp": "#include <corotet/mesh/b.hpp>\n",
+            "corotet/mesh/b.hpp": "#include <corotet/core/a.hpp>\n",
+            "corotet/core/a.hpp": "",
+            "corotet/core/extra.hpp": "",
+        }
+        self.assertEqual(self.run_rule("umbrella", files, ["corotet/core/extra.hpp"]), [])
+        self.assertEqual(len(self.run_rule("umbrella", files)), 1)
+        self.assertEqual(len(self.run_rule("umbrella", files, ["corotet/core/extra.hpp", "corotet/core/a.hpp"])), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,1 @@
+// Only carries the precompiled start of the test programs.
