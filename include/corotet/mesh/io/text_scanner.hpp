@@ -122,6 +122,20 @@ class TextScanner : public StickyError {
     return true;
   }
 
+  /// Moves to just behind the next occurrence of `mark`. Fails if there is none.
+  bool skip_past(std::string_view mark) {
+    if (!ok()) return false;
+    const std::size_t found = text_.find(mark, position_);
+    if (found == std::string_view::npos) {
+      fail("expected " + quoted(mark) + " further on, but the file ends without it");
+      return false;
+    }
+    const std::string_view skipped = text_.substr(position_, found - position_);
+    line_ += static_cast<std::size_t>(std::count(skipped.begin(), skipped.end(), '\n'));
+    position_ = found + mark.size();
+    return true;
+  }
+
   /// Takes the next token, which must be `keyword`.
   bool expect(std::string_view keyword) {
     const std::string_view found = token();
@@ -173,6 +187,9 @@ class TextScanner : public StickyError {
   void fail(std::string reason, ErrorCode code = ErrorCode::malformed_file) {
     set_error(code, where(), std::move(reason));
   }
+
+  /// Takes over the failure of a scanner that read a part of the same file.
+  void adopt(const Error& error) { set_error(error.code, error.where, error.reason); }
 
   /// The place of the last token: "name:line", or "name@byte N" once the scanner has jumped over binary data.
   [[nodiscard]] std::string where() const {
