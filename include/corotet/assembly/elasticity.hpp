@@ -1,0 +1,275 @@
+// Corotational linear elasticity (Müller & Gross 2004, "Interactive Virtual Materials"): rotate the deformed element
+// back, multiply by its constant stiffness, rotate the force forward.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <corotet/assembly/block_matrix.hpp>
+#include <corotet/assembly/elastic_evaluation.hpp>
+#include <corotet/core/executor.hpp>
+#include <corotet/core/types.hpp>
+#include <corotet/element/element_batch.hpp>
+#include <corotet/material/material.hpp>
+#include <corotet/mesh/tet_mesh.hpp>
+#include <corotet/rotation/polar.hpp>
+#include <corotet/rotation/rotation_extractor.hpp>
+#include <vector>
+
+namespace corotet {
+
+/// The elastic law of a body. Constant after construction; what depends on the displacement is written into an
+/// ElasticEvaluation, so that one law serves several bodies and threads.
+///
+/// With S = R^T F at a quadrature point, strain e = sym(S) - I and stress s = 2 mu e + lambda tr(e) I, the energy is
+/// W = sum V (mu |e|^2 + lambda/2 tr(e)^2) and the force on node a is f_a = -sum V R s grad N_a, which equals
+/// R K_e (R^T x - X) with a minus sign. With Polar rotations at each quadrature point f is exactly -dW/dx (Chao,
+/// Pinkall, Sanan & Schröder 2010, section 4.1).
+template <std::floating_point Scalar, ReferenceElement Element = Tet4, RotationExtractor Rotation = Polar>
+class Elasticity {
+ public:
+  using Batch = ElementBatch<Scalar, Element>;
+  using Evaluation = ElasticEvaluation<Scalar, Element>;
+  static constexpr int nodes = Element::nodes;
+  static constexpr std::size_t points = Batch::points;
+
+  /// `materials` must pass Materials::check for this mesh.
+  Elasticity(const TetMesh<Scalar, Element>& mesh, const Materials& materials)
+      : elements_(mesh.element_count()), batches_(at(batch_count(elements_))), stiffness_(at(elements_)) {
+    for (Index e = 0; e < size_of(batches_) * lane_count<Scalar>; ++e) set_rest_state(mesh, e);
+    set_materials(materials);
+  }
+
+  /// New materials for the same mesh; they must pass Materials::check. Takes effect at the next evaluation.
+  void set_materials(const Materials& materials) {
+    for (Index e = 0; e < elements_; ++e) {
+      const auto [lambda, mu] = lame(materials.of_element(at(e)));
+      Batch& batch = batches_[at(e / lane_count<Scalar>)];
+      const int l = e % lane_count<Scalar>;
+      batch.lambda[l] = static_cast<Scalar>(lambda);
+      batch.mu[l] = static_cast<Scalar>(mu);
+      for (std::size_t q = 0; q < points; ++q)
+        stiffness_[at(e)][q] = {batch.lambda[l] * batch.point[q].volume[l], batch.mu[l] * batch.point[q].volume[l]};
+    }
+  }
+
+  [[nodiscard]] Index element_count() const { return elements_; }
+  [[nodiscard]] const std::vector<Batch>& batches() const { return batches_; }
+
+  /// Rotations, nodal forces and rotated gradients of every element at `displacement` (m, one a vertex).
+  template <Executor E>
+  void evaluate(const Field<Scalar>& displacement, Evaluation& out, E& executor) const {
+    for_ranges(executor, size_of(batches_), batch_grain, [&](Index begin, Index end) {
+      DeformationExtremes extremes;
+      for (Index b = begin; b < end; ++b) evaluate_batch(displacement, b, out, extremes);
+      out.extremes[at(begin / batch_grain)] = extremes;
+    });
+  }
+
+  /// W, J. Summed in double and in element order, whatever Scalar is.
+  [[nodiscard]] double energy(const Field<Scalar>& displacement) const {
+    double sum = 0;
+    for (const Batch& batch : batches_) {
+      std::array<Mat3Lanes<Scalar>, points> f, r;
+      deformation(batch, displacement, f, r);
+      for (std::size_t q = 0; q < points; ++q) {
+        const Strain e = strain(f[q], r[q]);
+        const Lanes<Scalar> trace = e[0] + e[1] + e[2];
+        const Lanes<Scalar> density = batch.mu * e.squared_norm() + Scalar(0.5) * batch.lambda * trace * trace;
+        sum += (batch.point[q].volume * density).template cast<double>().sum();
+      }
+    }
+    return sum;
+  }
+
+  /// Block (a, b) of the warped stiffness R K_e R^T of an element, at the evaluated state, N/m. With g = R grad N:
+  /// sum V (lambda g_a g_b^T + mu g_b g_a^T + mu (g_a . g_b) I).
+  [[nodiscard]] Mat3<Scalar> stiffness_block(const Evaluation& at_state, Index element, int a, int b) const {
+    Mat3<Scalar> k = Mat3<Scalar>::Zero();
+    const auto& gradient = at_state.gradient[at(element)];
+    for (std::size_t q = 0; q < points; ++q) {
+      const auto [lambda, mu] = stiffness_[at(element)][q];
+      const Vec3<Scalar>&ga = gradient[q][at(a)], &gb = gradient[q][at(b)];
+      k += (lambda * ga) * gb.transpose() + (mu * gb) * ga.transpose();
+      k.diagonal().array() += mu * ga.dot(gb);
+    }
+    return k;
+  }
+
+  /// Batches that one task works on.
+  static constexpr Index batch_grain = 16;
+
+  [[nodiscard]] static constexpr Index batch_count(Index elements) {
+    return (elements + lane_count<Scalar> - 1) / lane_count<Scalar>;
+  }
+
+ private:
+  /// xx yy zz yz zx xy.
+  struct Strain : std::array<Lanes<Scalar>, 6> {
+    [[nodiscard]] Lanes<Scalar> squared_norm() const {
+      const Strain& e = *this;
+      return e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + Scalar(2) * (e[3] * e[3] + e[4] * e[4] + e[5] * e[5]);
+    }
+  };
+
+  void set_rest_state(const TetMesh<Scalar, Element>& mesh, Index e) {
+    Batch& batch = batches_[at(e / lane_count<Scalar>)];
+    const int l = e % lane_count<Scalar>;
+    const bool exists = e < elements_;
+    batch.lambda[l] = batch.mu[l] = 0;
+    for (std::size_t a = 0; a < nodes; ++a) batch.vertex[a][at(l)] = exists ? mesh.element(e)[a] : 0;
+    for (std::size_t q = 0; q < points; ++q) {
+      Mat3<double> jacobian = Mat3<double>::Identity();
+      double weight = 0;
+      if (exists) {
+        jacobian.setZero();
+        for (std::size_t a = 0; a < nodes; ++a)
+          jacobian += mesh.position(mesh.element(e)[a]).template cast<double>() *
+                      Eigen::Map<const Vec3<double>>(natural_gradients<Element>[q][a].data()).transpose();
+        weight = Element::stiffness_points[q].weight;
+      }
+      batch.point[q].inverse_jacobian.set_lane(l, jacobian.inverse().template cast<Scalar>());
+      batch.point[q].volume[l] = static_cast<Scalar>(weight * jacobian.determinant());
+    }
+  }
+
+  /// F and R at each quadrature point of a batch.
+  static void deformation(const Batch& batch, const Field<Scalar>& displacement,
+                          std::array<Mat3Lanes<Scalar>, points>& f, std::array<Mat3Lanes<Scalar>, points>& r) {
+    std::array<Vec3Lanes<Scalar>, nodes> u;
+    batch.gather(displacement.data(), u);
+    [&]<std::size_t... Q>(std::index_sequence<Q...>) {
+      (batch.template displacement_gradient<Q>(u, f[Q]), ...);
+    }(std::make_index_sequence<points>());
+    for (std::size_t q = 0; q < points; ++q)
+      for (int i = 0; i < 3; ++i) f[q](i, i) += Scalar(1);
+    if constexpr (Rotation::per_element && points > 1) {
+      Lanes<Scalar> volume = batch.point[0].volume;
+      for (std::size_t q = 1; q < points; ++q) volume += batch.point[q].volume;
+      volume = (volume > 0).select(volume, Lanes<Scalar>::Ones());
+      Mat3Lanes<Scalar> mean;
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+          mean(i, j) = batch.point[0].volume * f[0](i, j);
+          for (std::size_t q = 1; q < points; ++q) mean(i, j) += batch.point[q].volume * f[q](i, j);
+          mean(i, j) /= volume;
+        }
+      Rotation::extract(mean, r[0]);
+      for (std::size_t q = 1; q < points; ++q) r[q] = r[0];
+    } else {
+      for (std::size_t q = 0; q < points; ++q) Rotation::extract(f[q], r[q]);
+    }
+  }
+
+  /// sym(R^T F) - I, as sym(R^T (F - R)) so that small strains keep their digits.
+  static Strain strain(const Mat3Lanes<Scalar>& f, const Mat3Lanes<Scalar>& r) {
+    Mat3Lanes<Scalar> d;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) d(i, j) = f(i, j) - r(i, j);
+    const auto product = [&](int i, int j) -> Lanes<Scalar> {
+      return r(0, i) * d(0, j) + r(1, i) * d(1, j) + r(2, i) * d(2, j);
+    };
+    Strain e;
+    for (int i = 0; i < 3; ++i) e[at(i)] = product(i, i);
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3, k = (i + 2) % 3;
+      e[at(3 + i)] = Scalar(0.5) * (product(j, k) + product(k, j));
+    }
+    return e;
+  }
+
+  void evaluate_batch(const Field<Scalar>& displacement, Index b, Evaluation& out,
+                      DeformationExtremes& extremes) const {
+    using L = Lanes<Scalar>;
+    const Batch& batch = batches_[at(b)];
+    std::array<Mat3Lanes<Scalar>, points> f, r;
+    deformation(batch, displacement, f, r);
+
+    std::array<Vec3Lanes<Scalar>, nodes> force;
+    for (Vec3Lanes<Scalar>& node : force)
+      for (L& component : node) component.setZero();
+    Eigen::Array<bool, lane_count<Scalar>, 1> inverted;
+    inverted.setConstant(false);
+    L largest_strain2 = L::Zero(), least_trace = L::Constant(3);
+    const Index first = b * lane_count<Scalar>;
+    const int used = static_cast<int>(std::min<Index>(lane_count<Scalar>, elements_ - first));
+
+    [&]<std::size_t... Q>(std::index_sequence<Q...>) {
+      const auto point = [&]<std::size_t P>() {
+        const Mat3Lanes<Scalar>&fq = f[P], &rq = r[P];
+        const Strain e = strain(fq, rq);
+        largest_strain2 = largest_strain2.max(e.squared_norm());
+        least_trace = least_trace.min(rq(0, 0) + rq(1, 1) + rq(2, 2));
+        inverted = inverted || !(determinant(fq) > 0);
+
+        // R dxi/dX^T: the rotated gradient of node a is this times its natural gradient.
+        const Mat3Lanes<Scalar>& inverse = batch.point[P].inverse_jacobian;
+        Mat3Lanes<Scalar> rotated;
+        for (int i = 0; i < 3; ++i)
+          for (int c = 0; c < 3; ++c)
+            rotated(i, c) = rq(i, 0) * inverse(c, 0) + rq(i, 1) * inverse(c, 1) + rq(i, 2) * inverse(c, 2);
+
+        const L lambda_trace = batch.lambda * (e[0] + e[1] + e[2]), two_mu = Scalar(2) * batch.mu;
+        const Mat3Lanes<Scalar> stress = symmetric(batch.point[P].volume, two_mu, lambda_trace, e);
+        Mat3Lanes<Scalar> rotated_stress;  // V R s
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j)
+            rotated_stress(i, j) = rq(i, 0) * stress(0, j) + rq(i, 1) * stress(1, j) + rq(i, 2) * stress(2, j);
+        Mat3Lanes<Scalar> natural_stress;  // -V R s dxi/dX^T: minus the force per unit natural gradient
+        for (int i = 0; i < 3; ++i)
+          for (int c = 0; c < 3; ++c)
+            natural_stress(i, c) = -(rotated_stress(i, 0) * inverse(c, 0) + rotated_stress(i, 1) * inverse(c, 1) +
+                                     rotated_stress(i, 2) * inverse(c, 2));
+
+        Batch::for_nodes([&]<std::size_t A>() {
+          Vec3Lanes<Scalar> gradient;
+          for (std::size_t i = 0; i < 3; ++i) {
+            gradient[i].setZero();
+            Batch::template add_gradient<P, A, 0>(gradient[i], rotated.entry[i][0]);
+            Batch::template add_gradient<P, A, 1>(gradient[i], rotated.entry[i][1]);
+            Batch::template add_gradient<P, A, 2>(gradient[i], rotated.entry[i][2]);
+            Batch::template add_gradient<P, A, 0>(force[A][i], natural_stress.entry[i][0]);
+            Batch::template add_gradient<P, A, 1>(force[A][i], natural_stress.entry[i][1]);
+            Batch::template add_gradient<P, A, 2>(force[A][i], natural_stress.entry[i][2]);
+            for (int l = 0; l < used; ++l) out.gradient[at(first + l)][P][A][static_cast<int>(i)] = gradient[i][l];
+          }
+        });
+      };
+      (point.template operator()<Q>(), ...);
+    }(std::make_index_sequence<points>());
+
+    for (std::size_t a = 0; a < nodes; ++a)
+      for (int i = 0; i < 3; ++i)
+        for (int l = 0; l < used; ++l) out.force[at(first + l)][a][i] = force[a][at(i)][l];
+    for (int l = 0; l < used; ++l) extremes.inverted_elements += inverted[l] ? 1 : 0;
+    extremes.largest_strain2 = std::max<double>(extremes.largest_strain2, largest_strain2.head(used).maxCoeff());
+    extremes.least_rotation_trace = std::min<double>(extremes.least_rotation_trace, least_trace.head(used).minCoeff());
+  }
+
+  static Lanes<Scalar> determinant(const Mat3Lanes<Scalar>& m) {
+    return m(0, 0) * (m(1, 1) * m(2, 2) - m(1, 2) * m(2, 1)) - m(0, 1) * (m(1, 0) * m(2, 2) - m(1, 2) * m(2, 0)) +
+           m(0, 2) * (m(1, 0) * m(2, 1) - m(1, 1) * m(2, 0));
+  }
+
+  /// V (2 mu e + lambda tr(e) I).
+  static Mat3Lanes<Scalar> symmetric(const Lanes<Scalar>& volume, const Lanes<Scalar>& two_mu,
+                                     const Lanes<Scalar>& lambda_trace, const Strain& e) {
+    Mat3Lanes<Scalar> s;
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3, k = (i + 2) % 3;
+      s(i, i) = volume * (two_mu * e[at(i)] + lambda_trace);
+      s(j, k) = s(k, j) = volume * two_mu * e[at(3 + i)];
+    }
+    return s;
+  }
+
+  struct PointStiffness {
+    Scalar lambda, mu;  // times the volume of the point
+  };
+
+  Index elements_;
+  std::vector<Batch> batches_;
+  std::vector<std::array<PointStiffness, points>> stiffness_;
+};
+
+}  // namespace corotet

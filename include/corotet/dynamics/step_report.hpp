@@ -1,0 +1,62 @@
+// What a step tells its caller.
+#pragma once
+
+#include <corotet/core/types.hpp>
+#include <cstdint>
+
+namespace corotet {
+
+/// Why a step was refused. A refused step leaves the state as it was.
+enum class Refusal : std::uint8_t {
+  none,
+  time_step,         ///< h is not positive and finite
+  gravity,           ///< gravity is not finite
+  external_force,    ///< the external force on `vertex` is not finite
+  pin_target,        ///< the target of pin `vertex` is not finite
+  solver_breakdown,  ///< the matrix is not positive definite, or its entries left the range of the scalar
+  overflow           ///< the new velocity is not finite in this precision
+};
+
+/// How a step ended. Everything that describes deformation is of the state after the step.
+struct StepReport {
+  Refusal refusal = Refusal::none;
+  Index vertex = -1;            ///< the culprit, where `refusal` names one
+  bool converged = true;        ///< the linear solve reached its tolerance
+  int iterations = 0;           ///< of the linear solver (0: direct)
+  double residual = 0;          ///< relative residual of the linear solve
+  Index inverted_elements = 0;  ///< elements turned inside out somewhere
+  double largest_rotation = 0;  ///< of any element against its rest orientation, rad, 0 ... pi
+  double largest_strain = 0;    ///< of any element, Frobenius norm of sym(R^T F) - I, dimensionless
+
+  [[nodiscard]] bool accepted() const { return refusal == Refusal::none; }
+
+  /// Accepted, and nothing to complain of.
+  [[nodiscard]] bool ok() const { return accepted() && converged && inverted_elements == 0; }
+
+  /// What to change, in one sentence; "" if all is well. The worst problem only.
+  [[nodiscard]] const char* advice() const {
+    switch (refusal) {
+      case Refusal::time_step:
+        return "the time step must be positive and finite";
+      case Refusal::gravity:
+        return "gravity must be finite";
+      case Refusal::external_force:
+        return "the external force on the named vertex must be finite";
+      case Refusal::pin_target:
+        return "the target position of the named pin must be finite";
+      case Refusal::solver_breakdown:
+        return "the step's matrix is not positive definite in this precision: use double, a smaller time step, or "
+               "better "
+               "shaped elements";
+      case Refusal::overflow:
+        return "the new state is too large for this precision: use smaller forces or steps";
+      case Refusal::none:
+        break;
+    }
+    if (!converged) return "the solver stopped early: raise max_iterations, loosen the tolerance, or use cholesky";
+    if (inverted_elements > 0) return "elements are inverted: use smaller steps, gentler pins, or a stiffer material";
+    return "";
+  }
+};
+
+}  // namespace corotet

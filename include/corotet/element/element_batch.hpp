@@ -1,0 +1,82 @@
+// The rest geometry of a batch of elements: all that the elastic force needs to know of the mesh, computed once.
+#pragma once
+
+#include <array>
+#include <corotet/core/lanes.hpp>
+#include <corotet/element/reference_element.hpp>
+#include <utility>
+
+namespace corotet {
+
+/// Gradients of the shape functions in natural coordinates at the stiffness quadrature points: [point][node].
+template <ReferenceElement Element>
+inline constexpr auto natural_gradients = [] {
+  std::array<std::array<NaturalCoordinates, Element::nodes>, Element::stiffness_points.size()> table{};
+  for (std::size_t q = 0; q < table.size(); ++q) table[q] = Element::gradient(Element::stiffness_points[q].xi);
+  return table;
+}();
+
+/// Structure of arrays over `lane_count` elements. Lanes beyond the last element have zero volume and name vertex 0.
+template <std::floating_point Scalar, ReferenceElement Element>
+struct ElementBatch {
+  static constexpr std::size_t points = Element::stiffness_points.size();
+
+  struct Point {
+    Mat3Lanes<Scalar> inverse_jacobian;  ///< dxi/dX: (natural coordinate, space), 1/m
+    Lanes<Scalar> volume;                ///< quadrature weight times det J, m^3
+  };
+
+  std::array<std::array<Index, lane_count<Scalar>>, Element::nodes> vertex;
+  std::array<Point, points> point;
+  Lanes<Scalar> lambda, mu;  ///< Lamé's parameters, Pa
+
+  /// Gathers the displacements of the nodes: [node].
+  void gather(const Vec3<Scalar>* displacement, std::array<Vec3Lanes<Scalar>, Element::nodes>& u) const {
+    for (std::size_t a = 0; a < Element::nodes; ++a)
+      for (std::size_t l = 0; l < lane_count<Scalar>; ++l) {
+        const Vec3<Scalar>& d = displacement[vertex[a][l]];
+        for (int i = 0; i < 3; ++i) u[a][at(i)][static_cast<Eigen::Index>(l)] = d[i];
+      }
+  }
+
+  /// F - I at quadrature point `Q`: sum over nodes of u (x) grad N.
+  template <std::size_t Q>
+  void displacement_gradient(const std::array<Vec3Lanes<Scalar>, Element::nodes>& u, Mat3Lanes<Scalar>& h) const {
+    Mat3Lanes<Scalar> natural;  // du/dxi
+    for (int i = 0; i < 3; ++i)
+      for (int c = 0; c < 3; ++c) natural(i, c).setZero();
+    for_nodes([&]<std::size_t A>() {
+      for (std::size_t i = 0; i < 3; ++i) {
+        add_gradient<Q, A, 0>(natural.entry[i][0], u[A][i]);
+        add_gradient<Q, A, 1>(natural.entry[i][1], u[A][i]);
+        add_gradient<Q, A, 2>(natural.entry[i][2], u[A][i]);
+      }
+    });
+    const Mat3Lanes<Scalar>& inverse = point[Q].inverse_jacobian;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        h(i, j) = natural(i, 0) * inverse(0, j) + natural(i, 1) * inverse(1, j) + natural(i, 2) * inverse(2, j);
+  }
+
+  /// Calls `body.operator()<A>()` for each node A, unrolled.
+  template <class Body>
+  static void for_nodes(Body&& body) {
+    [&]<std::size_t... A>(std::index_sequence<A...>) {
+      (body.template operator()<A>(), ...);
+    }(std::make_index_sequence<Element::nodes>());
+  }
+
+  /// sum += dN_A/dxi_C * value at point Q, without the products by 0, 1 and -1: all of them in Tet4.
+  template <std::size_t Q, std::size_t A, std::size_t C>
+  static void add_gradient(Lanes<Scalar>& sum, const Lanes<Scalar>& value) {
+    constexpr double gradient = natural_gradients<Element>[Q][A][C];
+    if constexpr (gradient == 1)
+      sum += value;
+    else if constexpr (gradient == -1)
+      sum -= value;
+    else if constexpr (gradient != 0)
+      sum += static_cast<Scalar>(gradient) * value;
+  }
+};
+
+}  // namespace corotet

@@ -1,0 +1,73 @@
+// Linear elastic material: what a user knows about it, and what the equations need.
+#pragma once
+
+#include <cmath>
+#include <corotet/core/result.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace corotet {
+
+/// An isotropic linear elastic solid.
+struct Material {
+  double young = 1e6;     ///< Young's modulus E, Pa, > 0 (rubber 1e6 ... 1e8, flesh 1e3 ... 1e5)
+  double poisson = 0.3;   ///< Poisson's ratio nu, -1 < nu < 0.5 (rubber near 0.5, cork near 0)
+  double density = 1000;  ///< kg/m^3, > 0
+};
+
+/// Lamé's parameters, Pa.
+struct Lame {
+  double lambda;
+  double mu;
+};
+
+/// lambda = E nu / ((1+nu)(1-2nu)), mu = E / (2(1+nu)). The material must be valid: see `check`.
+[[nodiscard]] inline Lame lame(const Material& m) {
+  return {m.young * m.poisson / ((1 + m.poisson) * (1 - 2 * m.poisson)), m.young / (2 * (1 + m.poisson))};
+}
+
+/// invalid_argument, naming `where` and the parameter, if one lies outside its range or is not finite.
+[[nodiscard]] inline Status check(const Material& m, const std::string& where = "material") {
+  const auto refuse = [&](const char* name, double value, const char* range) {
+    return Error{ErrorCode::invalid_argument, where + "." + name,
+                 std::string("must be ") + range + ", is " + std::to_string(value)};
+  };
+  if (!(m.young > 0) || !std::isfinite(m.young)) return refuse("young", m.young, "positive and finite (Pa)");
+  if (!(m.poisson > -1 && m.poisson < 0.5)) return refuse("poisson", m.poisson, "between -1 and 0.5, both excluded");
+  if (!(m.density > 0) || !std::isfinite(m.density))
+    return refuse("density", m.density, "positive and finite (kg/m^3)");
+  return {};
+}
+
+/// The material of each element: one for the whole body, or one an element.
+class Materials {
+ public:
+  Materials(const Material& whole_body) : materials_{whole_body} {}  // NOLINT(google-explicit-constructor)
+  Materials(std::vector<Material> per_element)                       // NOLINT(google-explicit-constructor)
+      : materials_(std::move(per_element)) {}
+
+  [[nodiscard]] const Material& of_element(std::size_t e) const {
+    return materials_.size() == 1 ? materials_.front() : materials_[e];
+  }
+
+  /// invalid_argument if there is neither one material nor one for each of `elements`, or if one of them is invalid.
+  [[nodiscard]] Status check(std::size_t elements) const {
+    if (materials_.size() != 1 && materials_.size() != elements)
+      return Error{ErrorCode::invalid_argument, "materials",
+                   "there are " + std::to_string(materials_.size()) + " for " + std::to_string(elements) +
+                       " elements; give one for all, or one for each"};
+    for (std::size_t e = 0; e < materials_.size(); ++e) {
+      const bool shared = materials_.size() == 1;
+      if (Status s = corotet::check(materials_[e], shared ? "material" : "material of element " + std::to_string(e));
+          !s)
+        return s;
+    }
+    return {};
+  }
+
+ private:
+  std::vector<Material> materials_;
+};
+
+}  // namespace corotet

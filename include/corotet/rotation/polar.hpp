@@ -1,0 +1,129 @@
+// The rotation of the polar decomposition F = R S: the default, and the one whose force has an energy.
+#pragma once
+
+#include <corotet/core/lanes.hpp>
+#include <corotet/rotation/polar_robust.hpp>
+#include <corotet/rotation/rotation_extractor.hpp>
+#include <limits>
+
+namespace corotet {
+
+/// The rotation nearest to F: R maximises tr(R^T F). For det F > 0 it is the orthogonal polar factor; for an inverted
+/// element it is the rotation that undoes the inversion along the direction of least stretch (Irving et al. 2004).
+///
+/// In batches by Markley's closed form ("Attitude determination using vector observations: a fast optimal matrix
+/// algorithm", 1993, eqs. 8-17), with the largest root of the characteristic quartic by Newton from above. It loses
+/// digits as the two least signed stretches cancel; lanes where that shows are done again by `polar_robust`.
+struct Polar {
+  static constexpr bool per_element = false;
+  static constexpr std::string_view name = "polar";
+
+  template <std::floating_point Scalar>
+  static void extract(const Mat3Lanes<Scalar>& f, Mat3Lanes<Scalar>& r) {
+    using L = Lanes<Scalar>;
+    using Mask = Eigen::Array<bool, lane_count<Scalar>, 1>;
+    constexpr Scalar epsilon = std::numeric_limits<Scalar>::epsilon();
+
+    // Entries of order one, whatever the units and however flat the element.
+    L largest = f(0, 0).abs();
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) largest = largest.max(f(i, j).abs());
+    Mask sure = largest > lowest<Scalar>() && largest < highest<Scalar>();
+    const L scale = sure.select(largest, L::Ones()).inverse();
+    Mat3Lanes<Scalar> b;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) b(i, j) = sure.select(f(i, j), L::Constant(i == j ? 1 : 0)) * scale;
+
+    Mat3Lanes<Scalar> cofactor;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+        cofactor(i, j) = b(i1, j1) * b(i2, j2) - b(i1, j2) * b(i2, j1);
+      }
+    const L det = b(0, 0) * cofactor(0, 0) + b(0, 1) * cofactor(0, 1) + b(0, 2) * cofactor(0, 2);
+    const L b2 = squared_norm(b), cofactor2 = squared_norm(cofactor);
+
+    // lambda = tr S, the largest root of (lambda^2 - |B|^2)^2 - 8 lambda det B - 4 |cof B|^2.
+    L lambda = (Scalar(3) * b2).sqrt();
+    for (int iteration = 0; iteration < 12; ++iteration) {
+      const L excess = lambda * lambda - b2;
+      const L value = excess * excess - Scalar(8) * lambda * det - Scalar(4) * cofactor2;
+      const L slope = Scalar(4) * lambda * excess - Scalar(8) * det;
+      const L step = (slope > epsilon).select(value / (slope > epsilon).select(slope, L::Ones()), L::Zero());
+      lambda -= step;
+      if ((step.abs() <= 2 * epsilon * lambda).all()) break;
+    }
+
+    // zeta = (s1+s2)(s2+s3)(s3+s1): what the closed form divides by.
+    const L kappa = Scalar(0.5) * (lambda * lambda - b2);
+    const L zeta = kappa * lambda - det;
+    sure = sure && zeta > smallest_zeta<Scalar>() * b2 * b2.sqrt();
+    const L inverse_zeta = sure.select(zeta, L::Ones()).inverse();
+    Mat3Lanes<Scalar> btb;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) btb(i, j) = b(0, i) * b(0, j) + b(1, i) * b(1, j) + b(2, i) * b(2, j);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        const L bbtb = b(i, 0) * btb(0, j) + b(i, 1) * btb(1, j) + b(i, 2) * btb(2, j);
+        r(i, j) = ((kappa + b2) * b(i, j) + lambda * cofactor(i, j) - bbtb) * inverse_zeta;
+      }
+
+    sure = sure && polish(r);
+    if (!sure.all())
+      for (int l = 0; l < lane_count<Scalar>; ++l)
+        if (!sure[l]) r.set_lane(l, polar_robust<Scalar>(f.lane(l)));
+  }
+
+ private:
+  template <std::floating_point Scalar>
+  static Lanes<Scalar> squared_norm(const Mat3Lanes<Scalar>& m) {
+    Lanes<Scalar> sum = m(0, 0) * m(0, 0);
+    for (int k = 1; k < 9; ++k) sum += m(k / 3, k % 3) * m(k / 3, k % 3);
+    return sum;
+  }
+
+  /// One Newton-Schulz step, R <- R (3I - R^T R)/2: squares the distance from orthogonality. False in the lanes where
+  /// that distance was too large to trust R.
+  template <std::floating_point Scalar>
+  static Eigen::Array<bool, lane_count<Scalar>, 1> polish(Mat3Lanes<Scalar>& r) {
+    using L = Lanes<Scalar>;
+    Mat3Lanes<Scalar> correction;
+    L distance = L::Zero();
+    for (int i = 0; i < 3; ++i)
+      for (int j = i; j < 3; ++j) {
+        const L error = r(0, i) * r(0, j) + r(1, i) * r(1, j) + r(2, i) * r(2, j) - Scalar(i == j ? 1 : 0);
+        distance = distance.max(error.abs());
+        correction(i, j) = Scalar(-0.5) * error;
+        correction(j, i) = correction(i, j);
+      }
+    for (int i = 0; i < 3; ++i) {
+      const L x = r(i, 0), y = r(i, 1), z = r(i, 2);
+      for (int j = 0; j < 3; ++j) r(i, j) += x * correction(0, j) + y * correction(1, j) + z * correction(2, j);
+    }
+    return distance < largest_distance<Scalar>();
+  }
+
+  // Scales beyond which products of four entries leave the range of Scalar, or reciprocals do.
+  template <std::floating_point Scalar>
+  static constexpr Scalar lowest() {
+    return std::numeric_limits<Scalar>::min() * 4;
+  }
+  template <std::floating_point Scalar>
+  static constexpr Scalar highest() {
+    return std::numeric_limits<Scalar>::max() / 4;
+  }
+  // Below this zeta (relative to |B|^3; 1.5 for a rotation) the closed form keeps fewer digits than polar_robust.
+  template <std::floating_point Scalar>
+  static constexpr Scalar smallest_zeta() {
+    return Scalar(0.02);
+  }
+  // Leaves a rotation orthonormal to rounding after one polish.
+  template <std::floating_point Scalar>
+  static constexpr Scalar largest_distance() {
+    return sizeof(Scalar) <= 4 ? Scalar(1e-4) : Scalar(1e-9);
+  }
+};
+
+static_assert(RotationExtractor<Polar>);
+
+}  // namespace corotet

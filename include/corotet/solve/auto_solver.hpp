@@ -1,0 +1,127 @@
+// The default solver of a step: conjugate gradients, or a direct factorisation where that is cheaper.
+#pragma once
+
+#include <corotet/assembly/block_matrix.hpp>
+#include <corotet/core/executor.hpp>
+#include <corotet/core/types.hpp>
+#include <corotet/solve/block_cholesky.hpp>
+#include <corotet/solve/block_jacobi.hpp>
+#include <corotet/solve/pcg.hpp>
+#include <corotet/solve/solver.hpp>
+#include <limits>
+
+namespace corotet {
+
+enum class SolverMethod { automatic, pcg, cholesky };
+enum class PreconditionerKind { automatic, jacobi, block_jacobi };
+
+struct SolverOptions {
+  SolverMethod method = SolverMethod::automatic;
+  PreconditionerKind preconditioner = PreconditionerKind::automatic;
+  double tolerance = 1e-3;    ///< relative residual, see PcgOptions
+  int max_iterations = 2000;  ///< of PCG
+};
+
+/// Chooses once, in `analyze`, by counting operations; see `method()` for the choice.
+template <std::floating_point Scalar>
+class AutoSolver {
+ public:
+  using Options = SolverOptions;
+
+  AutoSolver() = default;
+  explicit AutoSolver(const Options& options) : options_(options) {}
+
+  /// Symbolic work and memory for matrices on this pattern.
+  void analyze(const BlockPattern& pattern) {
+    method_ = options_.method;
+    if (method_ != SolverMethod::pcg) {
+      cholesky_.analyze(pattern);
+      if (method_ == SolverMethod::automatic) method_ = cheaper_method(pattern);
+    }
+    preconditioner_ = options_.preconditioner == PreconditionerKind::automatic ? PreconditionerKind::block_jacobi
+                                                                               : options_.preconditioner;
+    residual_.assign(at(pattern.rows()), Vec3<Scalar>::Zero());
+    if (method_ == SolverMethod::cholesky) {
+      cholesky_.allocate();
+      correction_ = residual_;
+      dot_ = DotProduct(pattern.rows());
+      return;
+    }
+    cholesky_ = {};
+    pcg_ = Pcg<Scalar>(pattern.rows());
+    if (preconditioner_ == PreconditionerKind::jacobi)
+      jacobi_ = Jacobi<Scalar>(pattern);
+    else
+      block_jacobi_ = BlockJacobi<Scalar>(pattern);
+  }
+
+  /// Solves A x = b from x = 0, to `options().tolerance` in the residual: measured by the preconditioner (PCG), or
+  /// Euclidean (Cholesky, refined where one substitution is not enough).
+  template <Executor E>
+  SolveReport solve(const BlockMatrix<Scalar>& matrix, const Field<Scalar>& b, Field<Scalar>& x, E& executor) {
+    if (method_ == SolverMethod::cholesky) return solve_directly(matrix, b, x, executor);
+    const PcgOptions options{options_.tolerance, options_.max_iterations};
+    if (preconditioner_ == PreconditionerKind::jacobi) {
+      jacobi_.update(matrix, executor);
+      return pcg_.solve(matrix, jacobi_, b, x, options, executor);
+    }
+    block_jacobi_.update(matrix, executor);
+    return pcg_.solve(matrix, block_jacobi_, b, x, options, executor);
+  }
+
+  /// What `analyze` chose.
+  [[nodiscard]] SolverMethod method() const { return method_; }
+  [[nodiscard]] PreconditionerKind preconditioner() const { return preconditioner_; }
+
+  [[nodiscard]] const Options& options() const { return options_; }
+
+ private:
+  [[nodiscard]] SolverMethod cheaper_method(const BlockPattern& pattern) const {
+    if (cholesky_.factor_blocks() > std::size_t{std::numeric_limits<Index>::max()}) return SolverMethod::pcg;
+    const double product = 18.0 * pattern.blocks();
+    const double direct = cholesky_.factor_flops() + 4 * 18.0 * double(cholesky_.factor_blocks());
+    return direct < expected_iterations * product ? SolverMethod::cholesky : SolverMethod::pcg;
+  }
+
+  template <Executor E>
+  SolveReport solve_directly(const BlockMatrix<Scalar>& matrix, const Field<Scalar>& b, Field<Scalar>& x, E& executor) {
+    constexpr int refinements = 3;
+    SolveReport report;
+    const double size = dot_(b, b, executor);
+    flat(x).setZero();
+    if (size == 0) return report;
+    if (!cholesky_.factorize(matrix)) return {SolveStatus::breakdown, 0, 1.0};
+    residual_ = b;
+    for (;;) {
+      cholesky_.solve(residual_, correction_);
+      flat(x) += flat(correction_);
+      matrix.apply(x, residual_, executor);
+      flat(residual_) = flat(b) - flat(residual_);
+      report.residual = std::sqrt(dot_(residual_, residual_, executor) / size);
+      if (!std::isfinite(report.residual)) return {SolveStatus::breakdown, report.iterations, 1.0};
+      if (report.residual <= options_.tolerance) return report;
+      if (report.iterations == refinements) {
+        report.status = SolveStatus::iteration_limit;
+        return report;
+      }
+      ++report.iterations;
+    }
+  }
+
+  // Iterations of block-Jacobi PCG to 1e-3 on bodies small enough for the question to arise (E = 5e5 Pa, h = 1/60 s).
+  static constexpr double expected_iterations = 70;
+
+  Options options_;
+  SolverMethod method_ = SolverMethod::pcg;
+  PreconditionerKind preconditioner_ = PreconditionerKind::block_jacobi;
+  Pcg<Scalar> pcg_;
+  Jacobi<Scalar> jacobi_;
+  BlockJacobi<Scalar> block_jacobi_;
+  BlockCholesky<Scalar> cholesky_;
+  Field<Scalar> residual_, correction_;
+  DotProduct dot_;
+};
+
+static_assert(LinearSolver<AutoSolver<float>, float> && LinearSolver<AutoSolver<double>, double>);
+
+}  // namespace corotet
