@@ -1,0 +1,194 @@
+// A surface that moves with the volume around it: bound once, written every frame.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <corotet/core/assert.hpp>
+#include <corotet/core/executor.hpp>
+#include <corotet/core/result.hpp>
+#include <corotet/core/types.hpp>
+#include <corotet/embed/bind.hpp>
+#include <corotet/embed/deform.hpp>
+#include <corotet/embed/vertex_buffer.hpp>
+#include <corotet/mesh/surface_mesh.hpp>
+#include <corotet/mesh/tet_mesh.hpp>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace corotet {
+
+/// Surface vertices, each bound to a point of a tetrahedral mesh. The mesh is not needed after binding.
+/// Laws: an affine motion x = A X + b of the mesh moves every vertex by the same map and turns normals by cof(A),
+/// vertices outside the mesh included; results are the same bits on any executor; an update allocates nothing.
+///
+/// Positions are written relative to the mesh's origin() (an engine puts that into its model matrix), so they keep
+/// float precision wherever the body is.
+template <std::floating_point Scalar, ReferenceElement Element = Tet4>
+class EmbeddedSurface {
+ public:
+  using Mesh = TetMesh<Scalar, Element>;
+
+  /// Binds vertices with the given rest positions (m, in the coordinates given to TetMesh::create) and rest normals
+  /// (one a vertex, any length; or none). A vertex outside the mesh goes to the nearest element, is counted, and
+  /// follows the linear extension of the motion at the nearest point. Errors: non_finite_value (names the vertex),
+  /// invalid_argument (number of normals), unsupported (too many).
+  template <Executor E = SerialExecutor>
+  [[nodiscard]] static Result<EmbeddedSurface> bind(const Mesh& mesh, std::span<const Vec3<double>> rest_positions,
+                                                    std::span<const Vec3<double>> rest_normals = {}, E executor = {}) {
+    if (Status status = detail::check_surface(rest_positions, rest_normals); !status) return status.error();
+    const Index count = size_of(rest_positions);
+    const BoxTree tree = detail::element_tree(mesh);
+    const double rounding = detail::position_rounding<Scalar>(tree.bounds());
+    std::vector<detail::BoundPoint> points(at(count));
+    for_ranges(executor, count, Index{64}, [&](Index begin, Index end) {
+      for (Index v = begin; v < end; ++v)
+        points[at(v)] = detail::bind_point(mesh, tree, rounding, rest_positions[at(v)] - mesh.origin());
+    });
+
+    EmbeddedSurface surface;
+    surface.has_normals_ = !rest_normals.empty();
+    surface.mesh_vertices_ = mesh.vertex_count();
+    const auto normals = detail::unit_normals(rest_normals, surface.replaced_normals_);
+    std::vector<Index> slots(at(mesh.element_count()), unused);
+    surface.vertices_.reserve(at(count));
+    for (Index v = 0; v < count; ++v) {
+      const detail::BoundPoint& point = points[at(v)];
+      Index& slot = slots[at(point.element)];
+      if (slot == unused) {
+        slot = size_of(surface.elements_);
+        surface.elements_.emplace_back(mesh, point.element);
+      }
+      const Vec3<double> normal = surface.has_normals_ ? normals[at(v)] : Vec3<double>(Vec3<double>::Zero());
+      surface.vertices_.emplace_back(mesh, point, slot, rest_positions[at(v)] - mesh.origin(), normal);
+      surface.boxes_visited_ += point.visited;
+      if (point.distance > 0) {
+        surface.outside_vertices_.push_back(v);
+        surface.largest_distance_ = std::max(surface.largest_distance_, point.distance);
+      }
+    }
+    surface.motions_.resize(surface.elements_.size());
+    return surface;
+  }
+
+  /// The same for a triangle surface. Where it has no normals, its vertices get the angle-weighted normals of its
+  /// triangles. Further errors: index_out_of_range (names the triangle).
+  template <Executor E = SerialExecutor>
+  [[nodiscard]] static Result<EmbeddedSurface> bind(const Mesh& mesh, const SurfaceMesh& surface, E executor = {}) {
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+      for (const Index v : surface.triangles[t])
+        if (v < 0 || v >= size_of(surface.positions))
+          return Error{ErrorCode::index_out_of_range, "triangle " + std::to_string(t),
+                       "it names vertex " + std::to_string(v) + " of " + std::to_string(surface.positions.size())};
+    if (!surface.normals.empty() || surface.triangles.empty())
+      return bind(mesh, surface.positions, surface.normals, executor);
+    if (Status status = detail::check_surface(surface.positions, {}); !status) return status.error();
+    return bind(mesh, surface.positions, vertex_normals(surface), executor);
+  }
+
+  /// Writes positions and normals that belong to the displacements `u` (m, one a mesh vertex, relative to its rest
+  /// position) into `out`. A normal that the motion makes undefined (the body crushed to a line or a point there) is
+  /// written as the rest normal. `out` must have one vertex for each bound vertex; normals need bound normals.
+  template <Executor E>
+  void update(std::span<const Vec3<Scalar>> u, const VertexBuffer& out, E&& executor) {
+    COROTET_ASSERT(out.data != nullptr && out.count == vertex_count(), "the buffer needs one vertex per bound vertex");
+    COROTET_ASSERT(out.fits(out.position_offset) && out.fits(out.normal_offset), "an attribute exceeds the stride");
+    const Vec3<Scalar> translation = out.translation.template cast<Scalar>();
+    const auto position = [&](Index v, const Vec3<Scalar>& x) {
+      detail::store<Scalar>(out.data + at(v) * out.stride + out.position_offset, x + translation);
+    };
+    const auto normal = [&](Index v, const Vec3<Scalar>& n) {
+      detail::store(out.data + at(v) * out.stride + out.normal_offset, n);
+    };
+    const auto nothing = [](Index, const Vec3<Scalar>&) {};
+    if (out.normal_offset == VertexBuffer::none && out.position_offset == VertexBuffer::none) return;
+    if (out.normal_offset == VertexBuffer::none)
+      deform<true, false>(u, executor, position, nothing);
+    else if (out.position_offset == VertexBuffer::none)
+      deform<false, true>(u, executor, nothing, normal);
+    else
+      deform<true, true>(u, executor, position, normal);
+  }
+  void update(std::span<const Vec3<Scalar>> u, const VertexBuffer& out) { update(u, out, SerialExecutor{}); }
+
+  /// Positions alone, m, relative to the mesh's origin: one a bound vertex.
+  void positions(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out) {
+    COROTET_ASSERT(size_of(out) == vertex_count(), "out needs one entry per bound vertex");
+    deform<true, false>(
+        u, SerialExecutor{}, [&](Index v, const Vec3<Scalar>& x) { out[at(v)] = x; },
+        [](Index, const Vec3<Scalar>&) {});
+  }
+
+  /// Unit normals alone.
+  void normals(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out) {
+    COROTET_ASSERT(size_of(out) == vertex_count(), "out needs one entry per bound vertex");
+    deform<false, true>(
+        u, SerialExecutor{}, [](Index, const Vec3<Scalar>&) {},
+        [&](Index v, const Vec3<Scalar>& n) { out[at(v)] = n; });
+  }
+
+  [[nodiscard]] Index vertex_count() const { return size_of(vertices_); }
+  [[nodiscard]] bool has_normals() const { return has_normals_; }
+
+  /// The mesh vertices that carry bound vertex `v`.
+  [[nodiscard]] const std::array<Index, Element::nodes>& carriers(Index v) const {
+    return elements_[at(vertices_[at(v)].slot)].nodes;
+  }
+  /// Their weights w_a, which sum to 1: the vertex moves by sum_a w_a u_a. For passing forces on the surface to the
+  /// mesh.
+  [[nodiscard]] std::array<double, Element::nodes> weights(Index v) const {
+    return vertices_[at(v)].template weights<Element>();
+  }
+
+  /// Bound vertices outside the mesh by more than its rounding: how many, which, and the farthest of them, m.
+  [[nodiscard]] Index outside_count() const { return size_of(outside_vertices_); }
+  [[nodiscard]] const std::vector<Index>& outside_vertices() const { return outside_vertices_; }
+  [[nodiscard]] double largest_distance() const { return largest_distance_; }
+
+  /// How many rest normals had no direction and were replaced by +z.
+  [[nodiscard]] Index replaced_normals() const { return replaced_normals_; }
+
+  /// What binding cost: boxes looked at, over all vertices. Grows as vertices times log(elements).
+  [[nodiscard]] std::int64_t boxes_visited() const { return boxes_visited_; }
+
+ private:
+  static constexpr Index unused = -1;
+  static constexpr Index element_grain = 256, vertex_grain = 1024;
+
+  EmbeddedSurface() = default;
+
+  template <bool with_positions, bool with_normals, Executor E, class WritePosition, class WriteNormal>
+  void deform(std::span<const Vec3<Scalar>> u, E&& executor, const WritePosition& write_position,
+              const WriteNormal& write_normal) {
+    COROTET_ASSERT(size_of(u) == mesh_vertices_, "displacements need one entry per mesh vertex");
+    COROTET_ASSERT(!with_normals || has_normals_, "normals were not given when binding");
+    for_ranges(executor, size_of(elements_), element_grain, [&](Index begin, Index end) {
+      for (Index e = begin; e < end; ++e) motions_[at(e)].template set<with_normals>(elements_[at(e)], u.data());
+    });
+    for_ranges(executor, vertex_count(), vertex_grain, [&](Index begin, Index end) {
+      for (Index v = begin; v < end; ++v) {
+        const Vertex& vertex = vertices_[at(v)];
+        const Motion& motion = motions_[at(vertex.slot)];
+        if constexpr (with_positions) write_position(v, motion.position(vertex));
+        if constexpr (with_normals) write_normal(v, motion.normal(vertex, elements_[at(vertex.slot)]));
+      }
+    });
+  }
+
+  using Carrier = detail::CarrierElement<Scalar, Element>;
+  using Vertex = detail::BoundVertex<Scalar, Element::order>;
+  using Motion = detail::ElementMotion<Scalar, Element>;
+
+  std::vector<Vertex> vertices_;
+  std::vector<Carrier> elements_;  // those that carry a vertex, in the order in which vertices name them
+  std::vector<Motion> motions_;    // one a carrier, filled anew by each update
+  std::vector<Index> outside_vertices_;
+  double largest_distance_ = 0;
+  std::int64_t boxes_visited_ = 0;
+  Index mesh_vertices_ = 0;
+  Index replaced_normals_ = 0;
+  bool has_normals_ = false;
+};
+
+}  // namespace corotet

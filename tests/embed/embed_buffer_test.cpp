@@ -1,0 +1,130 @@
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <thread>
+#include <vector>
+
+#include "embed/embed_fixtures.hpp"
+
+namespace {
+std::atomic<long> allocations{0};
+}  // namespace
+
+// Not inlined: gcc would warn that free() meets memory from operator new.
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
+  std::abort();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace corotet {
+namespace {
+
+template <class K>
+class EmbedBuffer : public EmbedFixture<K> {
+ protected:
+  /// Enough vertices, so that updates have several ranges, and a motion that uses everything.
+  EmbedBuffer() {
+    const Points inside = this->inside(mesh_, 1500), outside = this->around(100);
+    Points points = inside;
+    points.insert(points.end(), outside.begin(), outside.end());
+    surface_.emplace_back(K::Surface::bind(mesh_, points, this->directions(1600)).value());
+    for (Index v = 0; v < mesh_.vertex_count(); ++v)
+      u_.push_back(this->random_vector(0.2).template cast<typename K::Scalar>());
+  }
+  typename K::Surface& surface() { return surface_.front(); }
+
+  typename K::Mesh mesh_ = this->block();
+  std::vector<typename K::Surface> surface_;
+  Field<typename K::Scalar> u_;
+};
+TYPED_TEST_SUITE(EmbedBuffer, AllKinds);
+
+constexpr auto canary = std::byte{0xA5};
+
+Vec3<float> load(const std::byte* where) {
+  float xyz[3];
+  std::memcpy(xyz, where, sizeof xyz);
+  return {xyz[0], xyz[1], xyz[2]};
+}
+
+TYPED_TEST(EmbedBuffer, WritesItsAttributesAtAnyStrideAndNothingElse) {
+  USE_KIND;
+  const Field<Scalar> x = this->positions(this->surface(), this->u_), n = this->normals(this->surface(), this->u_);
+  struct Layout {
+    std::size_t stride, position, normal, start;
+  };
+  constexpr std::size_t none = VertexBuffer::none;
+  for (const Layout& layout : {Layout{24, 0, 12, 0}, Layout{32, 12, 0, 0}, Layout{37, 3, 17, 1}, Layout{25, 13, 1, 3},
+                               Layout{12, 0, none, 2}, Layout{19, none, 7, 0}, Layout{15, none, none, 0}}) {
+    std::vector<std::byte> bytes(layout.start + layout.stride * x.size() + 5, canary);
+    VertexBuffer buffer;
+    buffer.data = bytes.data() + layout.start;
+    buffer.stride = layout.stride;
+    buffer.count = size_of(x);
+    buffer.position_offset = layout.position;
+    buffer.normal_offset = layout.normal;
+    this->surface().update(this->u_, buffer);
+    const auto take = [&](std::size_t vertex, std::size_t offset, const Vec3<Scalar>& expected) {
+      if (offset == none) return;
+      std::byte* where = buffer.data + vertex * layout.stride + offset;
+      EXPECT_EQ(load(where), expected.template cast<float>());
+      std::fill_n(where, 3 * sizeof(float), canary);
+    };
+    for (std::size_t v = 0; v < x.size(); ++v) {
+      take(v, layout.position, x[v]);
+      take(v, layout.normal, n[v]);
+    }
+    EXPECT_EQ(std::count(bytes.begin(), bytes.end(), canary), std::ssize(bytes)) << "a byte between was written";
+  }
+}
+
+TYPED_TEST(EmbedBuffer, TranslationIsAddedInTheMeshPrecision) {
+  USE_KIND;
+  const Field<Scalar> x = this->positions(this->surface(), this->u_);
+  std::vector<std::byte> bytes(12 * x.size());
+  VertexBuffer buffer{bytes.data(), 12, size_of(x), 0, VertexBuffer::none, {1e3, -0.5, 2}};
+  this->surface().update(this->u_, buffer);
+  for (std::size_t v = 0; v < x.size(); ++v)
+    EXPECT_EQ(load(bytes.data() + 12 * v), (x[v] + buffer.translation.template cast<Scalar>()).template cast<float>());
+}
+
+TYPED_TEST(EmbedBuffer, UpdateAllocatesNothing) {
+  std::vector<std::byte> bytes(24 * at(this->surface().vertex_count()));
+  const VertexBuffer buffer{bytes.data(), 24, this->surface().vertex_count(), 0, 12};
+  const long before = allocations;
+  this->surface().update(this->u_, buffer);
+  this->surface().update(this->u_, buffer, SerialExecutor{});
+  EXPECT_EQ(allocations, before);
+  const std::vector<int> counted(10);
+  EXPECT_EQ(allocations, before + 1) << "the counter does not count";
+}
+
+TYPED_TEST(EmbedBuffer, SameBytesOnAnyNumberOfThreads) {
+  std::vector<std::byte> expected(24 * at(this->surface().vertex_count()));
+  VertexBuffer buffer{expected.data(), 24, this->surface().vertex_count(), 0, 12};
+  this->surface().update(this->u_, buffer);
+  for (const Index threads : {1, 2, 4}) {
+    const auto executor = [threads](Index count, auto&& task) {
+      std::vector<std::thread> pool;
+      for (Index t = 0; t < threads; ++t)
+        pool.emplace_back([&, t] {
+          for (Index i = count - 1 - t; i >= 0; i -= threads) task(i);  // backwards, to be unlike the serial order
+        });
+      for (std::thread& thread : pool) thread.join();
+    };
+    std::vector<std::byte> bytes(expected.size(), canary);
+    buffer.data = bytes.data();
+    this->surface().update(this->u_, buffer, executor);
+    EXPECT_EQ(bytes, expected);
+  }
+}
+
+}  // namespace
+}  // namespace corotet
