@@ -1,0 +1,7 @@
+#include <corotet/mesh/io/read_msh.hpp>
+
+#include "fuzz/fuzz_mesh.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  return corotet::fuzz::check_mesh(corotet::read_msh(corotet::fuzz::as_text(data, size), "input"));
+}
