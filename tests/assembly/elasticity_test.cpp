@@ -1,0 +1,260 @@
+// The laws of the elastic law: force from energy, tangent from force, rotations, affine states, the warped stiffness.
+#include <corotet/assembly/assemble.hpp>
+#include <corotet/assembly/elasticity.hpp>
+#include <corotet/assembly/mass.hpp>
+#include <corotet/rotation/gram_schmidt.hpp>
+#include <corotet/rotation/identity.hpp>
+#include <corotet/rotation/per_element.hpp>
+#include <corotet/rotation/polar.hpp>
+#include <gtest/gtest.h>
+
+#include <Eigen/SVD>
+#include <memory>
+
+#include "support/bodies.hpp"
+
+namespace corotet {
+namespace {
+
+using testing::block;
+using testing::distorted_block;
+using testing::Random;
+
+constexpr Material rubber{.young = 3e4, .poisson = 0.35, .density = 900};
+
+/// A mesh with its law, evaluated on demand.
+template <class Scalar, class Element, class Rotation = Polar>
+struct Rig {
+  TetMesh<Scalar, Element> mesh;
+  Elasticity<Scalar, Element, Rotation> law;
+  std::shared_ptr<const BlockPattern> pattern;
+  ElasticEvaluation<Scalar, Element> state;
+  SerialExecutor serial;
+
+  explicit Rig(TetMesh<Scalar, Element> m, const Materials& materials = rubber)
+      : mesh(std::move(m)),
+        law(mesh, materials),
+        pattern(std::make_shared<const BlockPattern>(BlockPattern::of(mesh.elements(), mesh.vertex_count()))),
+        state(law) {}
+
+  Field<Scalar> force(const Field<Scalar>& u) {
+    law.evaluate(u, state, serial);
+    Field<Scalar> f;
+    for (Index v = 0; v < mesh.vertex_count(); ++v) f.push_back(state.vertex_force(*pattern, v));
+    return f;
+  }
+
+  BlockMatrix<Scalar> stiffness(const Field<Scalar>& u) {
+    law.evaluate(u, state, serial);
+    const Mass<Scalar> mass(mesh, rubber, MassModel::lumped, *pattern);
+    BlockMatrix<Scalar> k(pattern);
+    assemble(law, state, mass, Scalar(0), Scalar(1), k, serial);
+    return k;
+  }
+};
+
+const BlockOptions small_box{.size = {1, 0.7, 0.5}, .cells = {3, 2, 2}};
+
+/// f . d against the central difference of W along random directions d.
+template <class Element, class Rotation>
+double force_error(double deformation, unsigned seed) {
+  Rig<double, Element, Rotation> rig(distorted_block<double, Element>(small_box, 0.2, seed));
+  const Field<double> u = testing::random_field<double>(rig.mesh.vertex_count(), deformation, seed);
+  const Field<double> f = rig.force(u);
+  const double h = 1e-6;
+  double worst = 0;
+  for (unsigned trial = 0; trial < 20; ++trial) {
+    Field<double> d = testing::random_field<double>(rig.mesh.vertex_count(), 1, 100 + trial);
+    Field<double> forward = u, backward = u;
+    flat(forward) += h * flat(d);
+    flat(backward) -= h * flat(d);
+    const double difference = (rig.law.energy(forward) - rig.law.energy(backward)) / (2 * h);
+    const double scale = flat(f).norm() * flat(d).norm() / std::sqrt(3.0 * rig.mesh.vertex_count());
+    worst = std::max(worst, std::abs(flat(f).dot(flat(d)) + difference) / scale);
+  }
+  return worst;
+}
+
+TEST(ElasticForce, IsMinusTheGradientOfTheEnergy) {
+  for (unsigned seed = 1; seed <= 5; ++seed)
+    for (const double deformation : {1e-3, 0.03}) {
+      EXPECT_LT((force_error<Tet4, Polar>(deformation, seed)), 1e-6);
+      EXPECT_LT((force_error<Tet10, Polar>(deformation, seed)), 1e-6);
+      EXPECT_LT((force_error<Tet4, PerElement<Polar>>(deformation, seed)), 1e-6);
+      EXPECT_LT((force_error<Tet4, Identity>(deformation, seed)), 1e-6);
+      EXPECT_LT((force_error<Tet10, Identity>(deformation, seed)), 1e-6);
+    }
+}
+
+/// Not so for Gram-Schmidt, nor for one rotation in a Tet10 with varying strain: the documented defects are real.
+TEST(ElasticForce, IsNotConservativeForGramSchmidtAndOneRotationATet10) {
+  EXPECT_GT((force_error<Tet4, GramSchmidt>(0.03, 1)), 1e-3);
+  EXPECT_GT((force_error<Tet10, PerElement<Polar>>(0.03, 1)), 1e-5);
+}
+
+/// One element's Hessian of W by differences of the exact force, against the warped stiffness plus the twist modes that
+/// it leaves out. The modes and their stiffness e_ij = 2 mu + 2 (lambda (tr S - 3) - 2 mu)/(s_i + s_j) come from the
+/// SVD of F; they act on dF along U [axis] V^T / sqrt 2.
+TEST(WarpedStiffness, IsTheHessianWithoutTheTwistModes) {
+  Random random(11);
+  const auto [lambda, mu] = lame(rubber);
+  for (int trial = 0; trial < 20; ++trial) {
+    MeshData data;
+    data.positions = {{0, 0, 0}, {1, 0.1, 0}, {0.2, 0.9, 0.1}, {0.1, 0.2, 1.1}};
+    data.connectivity = {0, 1, 2, 3};
+    Rig<double, Tet4> rig(testing::must(TetMesh<double, Tet4>::create(data)));
+    const Mat3<double> f = random.rotation() * (Mat3<double>::Identity() + random.matrix(0.15));
+    const Field<double> u = testing::displacement_of(rig.mesh, [&](const Vec3<double>& x) { return (f * x).eval(); });
+
+    Eigen::Matrix<double, 12, 12> hessian, warped, twist = Eigen::Matrix<double, 12, 12>::Zero();
+    const double h = 1e-6;
+    for (int c = 0; c < 12; ++c) {
+      Field<double> forward = u, backward = u;
+      flat(forward)[c] += h;
+      flat(backward)[c] -= h;
+      hessian.col(c) = -(flat(rig.force(forward)) - flat(rig.force(backward))) / (2 * h);
+    }
+    const BlockMatrix<double> k = rig.stiffness(u);
+    for (Index i = 0; i < 4; ++i)
+      for (Index j = 0; j < 4; ++j) warped.block<3, 3>(3 * i, 3 * j) = k.block(rig.pattern->slot(i, j));
+
+    const Eigen::JacobiSVD<Mat3<double>> svd(f, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Vec3<double> s = svd.singularValues();
+    const auto& batch = rig.law.batches().front();
+    const Mat3<double> inverse = batch.point[0].inverse_jacobian.lane(0);
+    const double volume = batch.point[0].volume[0];
+    for (int axis = 0; axis < 3; ++axis) {
+      const int i = (axis + 1) % 3, j = (axis + 2) % 3;
+      Mat3<double> spin = Mat3<double>::Zero();
+      spin(i, j) = -std::sqrt(0.5);
+      spin(j, i) = std::sqrt(0.5);
+      const Mat3<double> mode = svd.matrixU() * spin * svd.matrixV().transpose();
+      Eigen::Matrix<double, 12, 1> nodal;  // mode : dF/dx
+      for (std::size_t a = 0; a < 4; ++a)
+        nodal.segment<3>(static_cast<int>(3 * a)) =
+            mode * inverse.transpose() * Eigen::Map<const Vec3<double>>(natural_gradients<Tet4>[0][a].data());
+      const double stiffness = 2 * mu + 2 * (lambda * (s.sum() - 3) - 2 * mu) / (s[i] + s[j]);
+      twist += volume * stiffness * nodal * nodal.transpose();
+    }
+    ASSERT_LT((hessian - warped - twist).norm(), 1e-6 * hessian.norm());
+    ASSERT_GT(twist.norm(), 1e-3 * hessian.norm()) << "the modes that are left out must matter here";
+  }
+}
+
+template <class T>
+class ElasticLaw : public ::testing::Test {};
+TYPED_TEST_SUITE(ElasticLaw, testing::AllCases);
+
+/// Rounding in F, times the stiffness: what a force of zero may differ by.
+template <class Mesh>
+double rounding_force(const Mesh& mesh, double size) {
+  using Scalar = typename Mesh::scalar_type;
+  double area = 0;
+  for (const auto& x : mesh.positions()) area = std::max(area, double(x.squaredNorm()));
+  return 200 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) * rubber.young * area * size;
+}
+
+TYPED_TEST(ElasticLaw, RigidMotionGivesNoForceAndNoEnergy) {
+  using Scalar = typename TypeParam::Scalar;
+  Rig<Scalar, typename TypeParam::Element> rig(distorted_block<Scalar, typename TypeParam::Element>(small_box, 0.2, 3));
+  Random random(5);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Mat3<double> q = random.rotation();
+    const Vec3<double> shift = random.vector();
+    const auto u = testing::displacement_of(rig.mesh, [&](const Vec3<double>& x) { return (q * x + shift).eval(); });
+    double largest = 0;
+    for (const auto& f : rig.force(u)) largest = std::max(largest, double(f.norm()));
+    EXPECT_LT(largest, rounding_force(rig.mesh, 1 + shift.norm()));
+    EXPECT_LT(rig.law.energy(u), rounding_force(rig.mesh, 1 + shift.norm()));
+    EXPECT_NEAR(rig.state.worst().largest_rotation(), Eigen::AngleAxisd(q).angle(), 2e-3);
+  }
+}
+
+/// Uniaxial tension with free sides, any size (REFERENCES: exact for this model): P = E (s - 1) along the axis, nothing
+/// across it.
+TYPED_TEST(ElasticLaw, UniaxialStressIsYoungTimesStretch) {
+  using Scalar = typename TypeParam::Scalar;
+  const BlockOptions options{.size = {2, 1, 0.5}, .cells = {2, 2, 1}};
+  Rig<Scalar, typename TypeParam::Element> rig(block<Scalar, typename TypeParam::Element>(options));
+  Random random(6);
+  for (const double s : {0.6, 0.95, 1.001, 1.3, 2.0}) {
+    const double side = 1 - rubber.poisson * (s - 1);
+    const Mat3<double> q = random.rotation();
+    const auto u = testing::displacement_of(
+        rig.mesh, [&](const Vec3<double>& x) { return (q * x.cwiseProduct(Vec3<double>(s, side, side))).eval(); });
+    const Field<Scalar> force = rig.force(u);
+    Vec3<double> pull = Vec3<double>::Zero();
+    double sideways = 0;
+    for (Index v = 0; v < rig.mesh.vertex_count(); ++v) {
+      const Vec3<double> f = q.transpose() * force[at(v)].template cast<double>();
+      if (rig.mesh.position(v).x() == 2) pull -= f;
+      sideways = std::max({sideways, std::abs(f.y()), std::abs(f.z())});
+    }
+    const double area = 0.5, expected = rubber.young * (s - 1) * area;
+    const double tolerance = rounding_force(rig.mesh, 1);
+    EXPECT_NEAR(pull.x(), expected, tolerance);
+    EXPECT_LT(sideways, tolerance);
+    EXPECT_NEAR(rig.law.energy(u), 0.5 * rubber.young * (s - 1) * (s - 1), tolerance);
+  }
+}
+
+/// Internal forces are in balance: no net force, and with Polar at the points no net torque about anything.
+TYPED_TEST(ElasticLaw, ForcesAndTorquesBalance) {
+  using Scalar = typename TypeParam::Scalar;
+  Rig<Scalar, typename TypeParam::Element> rig(distorted_block<Scalar, typename TypeParam::Element>(small_box, 0.2, 8));
+  const auto u = testing::random_field<Scalar>(rig.mesh.vertex_count(), 0.05, 9);
+  const Field<Scalar> force = rig.force(u);
+  Vec3<double> net = Vec3<double>::Zero(), torque = net;
+  double scale = 0;
+  for (Index v = 0; v < rig.mesh.vertex_count(); ++v) {
+    const Vec3<double> f = force[at(v)].template cast<double>();
+    const Vec3<double> x = (rig.mesh.position(v) + u[at(v)]).template cast<double>();
+    net += f;
+    torque += x.cross(f);
+    scale += f.norm();
+  }
+  const double tolerance = 20 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) * scale;
+  EXPECT_LT(net.norm(), tolerance);
+  EXPECT_LT(torque.norm(), tolerance);
+}
+
+TYPED_TEST(ElasticLaw, StiffnessIsSymmetricSemiDefiniteAndBlindToTranslation) {
+  using Scalar = typename TypeParam::Scalar;
+  Rig<Scalar, typename TypeParam::Element> rig(
+      distorted_block<Scalar, typename TypeParam::Element>({.size = {1, 1, 1}, .cells = {2, 1, 1}}, 0.2, 8));
+  const auto u = testing::random_field<Scalar>(rig.mesh.vertex_count(), 0.1, 10);
+  const BlockMatrix<Scalar> k = rig.stiffness(u);
+  const Index n = rig.mesh.vertex_count();
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(3 * n, 3 * n);
+  for (Index i = 0; i < n; ++i)
+    for (Index s = rig.pattern->row_start[at(i)]; s < rig.pattern->row_start[at(i) + 1]; ++s)
+      dense.block<3, 3>(3 * i, 3 * rig.pattern->column[at(s)]) = k.block(s).template cast<double>();
+  EXPECT_EQ((dense - dense.transpose()).norm(), 0);
+  const double tolerance = 50 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) * dense.norm();
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense, Eigen::EigenvaluesOnly).eigenvalues()[0], -tolerance);
+  for (int axis = 0; axis < 3; ++axis) {
+    Eigen::VectorXd shift = Eigen::VectorXd::Zero(3 * n);
+    for (Index v = 0; v < n; ++v) shift[3 * v + axis] = 1;
+    EXPECT_LT((dense * shift).norm(), tolerance);
+  }
+}
+
+/// Different materials in one body: each element answers with its own.
+TYPED_TEST(ElasticLaw, EnergyIsTheSumOverElementsOfTheirOwnMaterial) {
+  using Scalar = typename TypeParam::Scalar;
+  const auto mesh = block<Scalar, typename TypeParam::Element>({.size = {1, 1, 1}, .cells = {2, 2, 2}});
+  std::vector<Material> materials(at(mesh.element_count()), rubber);
+  for (std::size_t e = 0; e < materials.size(); e += 2) materials[e].young *= 10;
+  const Materials uniform(rubber), mixed(materials);
+  Rig<Scalar, typename TypeParam::Element> one(mesh, uniform), ten(mesh, mixed);
+  const auto stretch = testing::displacement_of(
+      mesh, [](const Vec3<double>& x) { return x.cwiseProduct(Vec3<double>(1.1, 1.0, 1.0)).eval(); });
+  double odd = 0, even = 0;
+  for (Index e = 0; e < mesh.element_count(); ++e)
+    (e % 2 == 0 ? even : odd) += detail::corner_volume(mesh.data().positions, mesh.element(e).data());
+  const double density = one.law.energy(stretch);  // of a body of volume 1
+  EXPECT_NEAR(ten.law.energy(stretch), density * (odd + 10 * even), 1e-4 * density * 10);
+}
+
+}  // namespace
+}  // namespace corotet

@@ -1,0 +1,213 @@
+// The law of RotationExtractor: for every finite F the result is a rotation; for Polar it is the nearest one.
+#include <corotet/rotation/gram_schmidt.hpp>
+#include <corotet/rotation/identity.hpp>
+#include <corotet/rotation/per_element.hpp>
+#include <corotet/rotation/polar.hpp>
+#include <gtest/gtest.h>
+
+#include <Eigen/SVD>
+#include <cmath>
+#include <limits>
+
+#include "support/random.hpp"
+
+namespace corotet {
+namespace {
+
+using testing::Random;
+
+/// U diag(s) V^T with random rotations: every kind of deformation, by its signed stretches.
+template <class Scalar>
+Mat3<Scalar> with_stretches(Random& random, const Vec3<double>& s) {
+  return (random.rotation() * s.asDiagonal() * random.rotation().transpose()).cast<Scalar>();
+}
+
+/// One of the kinds of F that a simulation may meet, chosen by `kind`.
+template <class Scalar>
+Mat3<Scalar> draw(Random& random, int kind) {
+  const double tiny = std::pow(10.0, random.uniform(-12, -1));
+  const double a = random.uniform(0.1, 3), b = random.uniform(0.1, 3);
+  switch (kind % 12) {
+    case 0:
+      return (random.rotation() + random.matrix(0.1)).template cast<Scalar>();
+    case 1:
+      return random.matrix().template cast<Scalar>();  // half inverted
+    case 2:
+      return with_stretches<Scalar>(random, {a, b, tiny});  // nearly flat
+    case 3:
+      return with_stretches<Scalar>(random, {a, b, -tiny});  // just inverted
+    case 4:
+      return with_stretches<Scalar>(random, {a, tiny, tiny * random.uniform(-1, 1)});  // nearly a line
+    case 5:
+      return with_stretches<Scalar>(random, {a, b, -b * (1 + tiny)});  // gap closing
+    case 6:
+      return with_stretches<Scalar>(random, {1, 1, -1});  // mirror image
+    case 7:
+      return with_stretches<Scalar>(random, {a, a, 0});  // flat
+    case 8:
+      return with_stretches<Scalar>(random, {a, 0, 0});  // line
+    case 9: {                                            // any magnitude that Scalar has
+      const double range =
+          std::log10(static_cast<double>(std::min<long double>(1e300L, std::numeric_limits<Scalar>::max())));
+      return (random.matrix() * std::pow(10.0, random.uniform(-range, range - 1))).template cast<Scalar>();
+    }
+    case 10:
+      return (random.matrix().array().sign() * (random.matrix().array() > 0).template cast<double>())
+          .matrix()
+          .template cast<Scalar>();  // entries -1, 0, 1
+    default:
+      return with_stretches<Scalar>(random, {1e3 * a, b, 1e-3 * random.uniform(-1, 1)});
+  }
+}
+
+template <class Scalar>
+double distance_from_rotation(const Mat3<Scalar>& r) {
+  const Mat3<double> d = r.template cast<double>();
+  return std::max((d.transpose() * d - Mat3<double>::Identity()).norm(), std::abs(d.determinant() - 1));
+}
+
+/// Calls visit(F, R) for `count` draws, in full batches.
+template <class Model, class Scalar, class Visit>
+void for_random_matrices(int count, unsigned seed, Visit&& visit) {
+  Random random(seed);
+  Mat3Lanes<Scalar> f, r;
+  for (int drawn = 0; drawn < count;) {
+    for (int l = 0; l < lane_count<Scalar>; ++l) {
+      Mat3<Scalar> m = draw<Scalar>(random, drawn++);
+      if (!m.allFinite()) m.setIdentity();  // a magnitude that rounded to infinity
+      f.set_lane(l, m);
+    }
+    Model::extract(f, r);
+    for (int l = 0; l < lane_count<Scalar>; ++l) visit(f.lane(l), r.lane(l));
+  }
+}
+
+template <class T>
+class RotationLaw : public ::testing::Test {};
+template <class S, class M>
+struct Extraction {
+  using Scalar = S;
+  using Model = M;
+};
+using Extractions = ::testing::Types<Extraction<float, Polar>, Extraction<double, Polar>,
+                                     Extraction<float, GramSchmidt>, Extraction<double, GramSchmidt>,
+                                     Extraction<float, Identity>, Extraction<double, PerElement<Polar>>>;
+TYPED_TEST_SUITE(RotationLaw, Extractions);
+
+TYPED_TEST(RotationLaw, EveryFiniteMatrixGivesARotation) {
+  using Scalar = typename TypeParam::Scalar;
+  double worst = 0;
+  Mat3<Scalar> culprit = Mat3<Scalar>::Zero();
+  for_random_matrices<typename TypeParam::Model, Scalar>(
+      1'200'000, 1, [&](const Mat3<Scalar>& f, const Mat3<Scalar>& r) {
+        const double distance = r.allFinite() ? distance_from_rotation(r) : std::numeric_limits<double>::infinity();
+        if (!(distance <= worst)) {
+          worst = distance;
+          culprit = f;
+        }
+      });
+  EXPECT_LT(worst, 16 * static_cast<double>(std::numeric_limits<Scalar>::epsilon())) << "worst F:\n" << culprit;
+}
+
+TYPED_TEST(RotationLaw, ExtremesAndNonFiniteMatricesStayFinite) {
+  using Scalar = typename TypeParam::Scalar;
+  using Limits = std::numeric_limits<Scalar>;
+  for (const Scalar value : {Scalar(0), Limits::denorm_min(), -Limits::denorm_min(), Limits::min(), Limits::max(),
+                             Limits::lowest(), Limits::epsilon()})
+    for (int entry = -1; entry < 9; ++entry) {
+      Mat3<Scalar> f = entry < 0 ? Mat3<Scalar>::Constant(value) : Mat3<Scalar>::Zero();
+      if (entry >= 0) f(entry) = value;
+      const Mat3<Scalar> r = extract_rotation<typename TypeParam::Model, Scalar>(f);
+      EXPECT_LT(distance_from_rotation(r), 16 * static_cast<double>(Limits::epsilon())) << "F:\n" << f << "\nR:\n" << r;
+    }
+  for (const Scalar value : {Limits::quiet_NaN(), Limits::infinity(), -Limits::infinity()})
+    for (int entry = 0; entry < 9; ++entry) {
+      Mat3<Scalar> f = Mat3<Scalar>::Identity();
+      f(entry) = value;
+      EXPECT_TRUE((extract_rotation<typename TypeParam::Model, Scalar>(f).allFinite())) << "F:\n" << f;
+    }
+}
+
+TYPED_TEST(RotationLaw, OneBadLaneLeavesTheOthersAlone) {
+  using Scalar = typename TypeParam::Scalar;
+  Random random(7);
+  const Mat3<Scalar> f = (random.rotation() + random.matrix(0.1)).template cast<Scalar>();
+  const Mat3<Scalar> alone = extract_rotation<typename TypeParam::Model, Scalar>(f);
+  Mat3Lanes<Scalar> lanes, r;
+  for (int l = 0; l < lane_count<Scalar>; ++l) lanes.set_lane(l, f);
+  lanes.set_lane(1, Mat3<Scalar>::Zero());
+  lanes.set_lane(2, Mat3<Scalar>::Constant(std::numeric_limits<Scalar>::quiet_NaN()));
+  TypeParam::Model::extract(lanes, r);
+  EXPECT_LT((r.lane(0) - alone).norm(), 8 * std::numeric_limits<Scalar>::epsilon());
+}
+
+template <class T>
+class PolarLaw : public ::testing::Test {};
+using Scalars = ::testing::Types<float, double>;
+TYPED_TEST_SUITE(PolarLaw, Scalars);
+
+/// R maximises tr(R^T F): it reaches s1 + s2 +- s3 of the singular values, and R^T F is symmetric. Both are backward
+/// errors, which do not depend on how well R is determined.
+TYPED_TEST(PolarLaw, IsTheNearestRotation) {
+  using Scalar = TypeParam;
+  double worst_trace = 0, worst_asymmetry = 0;
+  for_random_matrices<Polar, Scalar>(120'000, 2, [&](const Mat3<Scalar>& f, const Mat3<Scalar>& r) {
+    const double largest = f.template cast<double>().cwiseAbs().maxCoeff();
+    if (!(largest > 1e-300)) return;
+    const Mat3<double> g = f.template cast<double>() / largest, s = r.template cast<double>().transpose() * g;
+    const Eigen::JacobiSVD<Mat3<double>> svd(g, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Vec3<double> sigma = svd.singularValues();
+    // The sign of det F, from its rotations: det F itself may be all rounding.
+    const double sign = svd.matrixU().determinant() * svd.matrixV().determinant() < 0 ? -1 : 1;
+    const double best = sigma[0] + sigma[1] + sign * sigma[2];
+    worst_trace = std::max(worst_trace, std::abs(best - s.trace()) / g.norm());
+    worst_asymmetry = std::max(worst_asymmetry, (s - s.transpose()).norm() / g.norm());
+  });
+  const auto epsilon = static_cast<double>(std::numeric_limits<Scalar>::epsilon());
+  EXPECT_LT(worst_trace, 32 * epsilon);
+  EXPECT_LT(worst_asymmetry, 64 * epsilon);
+}
+
+TYPED_TEST(PolarLaw, BatchAgreesWithTheRobustForm) {
+  using Scalar = TypeParam;
+  Random random(3);
+  for (int i = 0; i < 20'000; ++i) {
+    const Mat3<Scalar> f = (random.rotation() + random.matrix(0.2)).template cast<Scalar>();
+    const Vec3<double> sigma = Eigen::JacobiSVD<Mat3<double>>(f.template cast<double>()).singularValues();
+    if (f.determinant() < 0 || sigma[2] < 0.1) continue;  // the rotation itself is ill-determined there
+    ASSERT_LT((extract_rotation<Polar, Scalar>(f) - polar_robust<Scalar>(f)).norm(),
+              100 * std::numeric_limits<Scalar>::epsilon());
+  }
+}
+
+/// Frame indifference: rotating the deformed body rotates R; rotating the rest shape rotates it back.
+TYPED_TEST(PolarLaw, FollowsRotationsOfSpaceAndOfTheRestShape) {
+  using Scalar = TypeParam;
+  Random random(4);
+  for (int i = 0; i < 5'000; ++i) {
+    const Mat3<double> f = random.rotation() * (Mat3<double>::Identity() + random.matrix(0.1)), q = random.rotation();
+    const Mat3<double> r = extract_rotation<Polar, Scalar>(f.template cast<Scalar>()).template cast<double>();
+    const Mat3<double> left =
+        extract_rotation<Polar, Scalar>((q * f).eval().template cast<Scalar>()).template cast<double>();
+    const Mat3<double> right =
+        extract_rotation<Polar, Scalar>((f * q).eval().template cast<Scalar>()).template cast<double>();
+    const double tolerance = 50 * static_cast<double>(std::numeric_limits<Scalar>::epsilon());
+    ASSERT_LT((left - q * r).norm(), tolerance);
+    ASSERT_LT((right - r * q).norm(), tolerance);
+  }
+}
+
+/// Gram-Schmidt fails the second half of that law: why it is not the default.
+TEST(GramSchmidtDefect, DependsOnTheAxesOfTheRestShape) {
+  Random random(5);
+  double worst = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Mat3<double> f = Mat3<double>::Identity() + random.matrix(0.1), q = random.rotation();
+    worst = std::max(
+        worst, (extract_rotation<GramSchmidt, double>(f * q) - extract_rotation<GramSchmidt, double>(f) * q).norm());
+  }
+  EXPECT_GT(worst, 0.1);
+}
+
+}  // namespace
+}  // namespace corotet

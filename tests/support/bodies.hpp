@@ -1,0 +1,90 @@
+// Meshes and bodies that several tests start from.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <corotet/core/types.hpp>
+#include <corotet/dynamics/soft_body.hpp>
+#include <corotet/mesh/make_block.hpp>
+#include <corotet/mesh/tet_mesh.hpp>
+#include <utility>
+
+#include "support/random.hpp"
+
+namespace corotet::testing {
+
+/// A scalar and an element, for typed tests.
+template <class S, class E>
+struct Case {
+  using Scalar = S;
+  using Element = E;
+};
+using AllCases = ::testing::Types<Case<float, Tet4>, Case<double, Tet4>, Case<float, Tet10>, Case<double, Tet10>>;
+
+/// Takes the value, or fails the test with the error's text and ends the program: later code could not run.
+template <class T>
+T must(Result<T> result) {
+  if (!result) {
+    ADD_FAILURE() << result.error().message();
+    std::abort();
+  }
+  return std::move(result).value();
+}
+
+inline void must(const Status& status) { ASSERT_TRUE(status.ok()) << status.error().message(); }
+
+template <class Scalar, class Element>
+TetMesh<Scalar, Element> block(BlockOptions options) {
+  options.order = Element::order;
+  return must(TetMesh<Scalar, Element>::create(must(make_block(options))));
+}
+
+/// Moves every vertex inside the box by up to `amount` of the cell size, corners first and mid-edge vertices after
+/// them, so that elements are distorted but straight-sided.
+template <class Scalar, class Element>
+TetMesh<Scalar, Element> distorted_block(BlockOptions options, double amount, unsigned seed) {
+  options.order = 1;
+  MeshData data = must(make_block(options));
+  Random random(seed);
+  const Vec3<double> cell(options.size.x() / options.cells[0], options.size.y() / options.cells[1],
+                          options.size.z() / options.cells[2]);
+  for (Vec3<double>& x : data.positions)
+    for (int i = 0; i < 3; ++i) {
+      const double from_low = x[i] - options.corner[i], tolerance = 1e-9 * options.size[i];
+      const double shift = random.uniform(-amount, amount) * cell[i];
+      if (from_low > tolerance && from_low < options.size[i] - tolerance) x[i] += shift;
+    }
+  if (Element::order == 2) data = raise_order(std::move(data));
+  return must(TetMesh<Scalar, Element>::create(std::move(data)));
+}
+
+/// The displacement that takes each rest position X to `map(X)`.
+template <class Mesh, class Map>
+auto displacement_of(const Mesh& mesh, Map&& map) {
+  using Scalar = typename Mesh::scalar_type;
+  Field<Scalar> u;
+  for (const auto& x : mesh.positions())
+    u.push_back((map(x.template cast<double>().eval()) - x.template cast<double>()).template cast<Scalar>());
+  return u;
+}
+
+template <class Scalar>
+Field<Scalar> random_field(Index vertices, double size, unsigned seed) {
+  Random random(seed);
+  Field<Scalar> field;
+  for (Index v = 0; v < vertices; ++v) field.push_back(random.vector(size).cast<Scalar>());
+  return field;
+}
+
+/// The vertex nearest to a point.
+template <class Mesh>
+Index nearest_vertex(const Mesh& mesh, const Vec3<double>& point) {
+  Index best = 0;
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    if ((mesh.position(v).template cast<double>() - point).norm() <
+        (mesh.position(best).template cast<double>() - point).norm())
+      best = v;
+  return best;
+}
+
+}  // namespace corotet::testing
