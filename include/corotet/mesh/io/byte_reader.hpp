@@ -21,7 +21,11 @@ class ByteReader : public StickyError {
  public:
   ByteReader(std::string_view bytes, std::string_view name, std::endian order = std::endian::little,
              std::size_t position = 0)
-      : bytes_(bytes), name_(name), order_(order), position_(std::min(position, bytes.size())) {}
+      : bytes_(bytes),
+        name_(name),
+        order_(order),
+        position_(std::min(position, bytes.size())),
+        value_start_(position_) {}
 
   /// The next value of type `T`, in the file's byte order; `what` names it in errors.
   template <class T>
@@ -115,8 +119,8 @@ class ByteReader : public StickyError {
   std::string_view bytes_;
   std::string_view name_;
   std::endian order_;
-  std::size_t position_ = 0;
-  std::size_t value_start_ = 0;
+  std::size_t position_;
+  std::size_t value_start_;
 };
 
 }  // namespace corotet::detail

@@ -57,7 +57,8 @@ inline void read_msh22_elements(MshInput& in, TetSink& sink) {
       return in.fail("an element header with " + std::to_string(tags) + " tags and " + std::to_string(run) +
                      " elements of the " + std::to_string(count) + " announced makes no sense");
     if (in.binary() && known.nodes == 0)
-      return in.fail("element type " + std::to_string(type) + " is unknown, so its length is", ErrorCode::unsupported);
+      return in.fail("element type " + std::to_string(type) + " is unknown, so it cannot be skipped",
+                     ErrorCode::unsupported);
     done += static_cast<std::size_t>(run);
     const bool tet = type == msh_tet4 || type == msh_tet10;
     if (!tet) sink.ignore(known.dimension == 3, static_cast<std::size_t>(run));

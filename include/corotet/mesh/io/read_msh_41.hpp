@@ -81,7 +81,8 @@ inline void read_msh41_block(MshInput& in, TetSink& sink, std::int64_t type, std
   if (type != msh_tet4 && type != msh_tet10) {
     sink.ignore(known.dimension == 3, count);
     if (known.nodes == 0 && in.binary())
-      return in.fail("element type " + std::to_string(type) + " is unknown, so its length is", ErrorCode::unsupported);
+      return in.fail("element type " + std::to_string(type) + " is unknown, so it cannot be skipped",
+                     ErrorCode::unsupported);
     if (known.nodes == 0) static_cast<void>(in.text.at_end());  // moves to the line of the first element
     for (std::size_t i = 0; i < count && in.ok(); ++i) {
       if (known.nodes == 0) in.text.rest_of_line();

@@ -88,6 +88,7 @@ class VtkReader {
     } else if (keyword == "FIELD") {
       skip_field();
     } else if (keyword == "METADATA") {
+      text_.rest_of_line();
       while (text_.ok() && !text_.rest_of_line().empty()) {  // ends with an empty line
       }
     } else {
@@ -193,7 +194,7 @@ class VtkReader {
     if (offsets_.empty() || types_.size() != offsets_.size() - 1)
       return text_.fail("there are " + std::to_string(types_.size()) + " cell types, but " +
                         std::to_string(offsets_.empty() ? 0 : offsets_.size() - 1) + " cells");
-    const VertexRange range{0, sink_.mesh.positions.size()};
+    const auto points = static_cast<std::int64_t>(sink_.mesh.positions.size());
     for (std::size_t c = 0; c < types_.size() && text_.ok(); ++c) {
       const std::int64_t begin = offsets_[c], end = offsets_[c + 1];
       if (begin < 0 || end < begin || end > static_cast<std::int64_t>(connectivity_.size()))
@@ -209,9 +210,15 @@ class VtkReader {
                           " points, but lists " + std::to_string(end - begin));
       if (!sink_.begin(text_, static_cast<int>(size))) return;
       std::array<Index, 10> nodes{};
-      for (std::size_t k = 0; k < static_cast<std::size_t>(size); ++k)
-        nodes[k] = range.find(text_, connectivity_[static_cast<std::size_t>(begin) + k]);
-      if (text_.ok()) sink_.add(nodes, vtk_order, 0);
+      for (std::size_t k = 0; k < static_cast<std::size_t>(size); ++k) {
+        const std::int64_t point = connectivity_[static_cast<std::size_t>(begin) + k];
+        if (point < 0 || point >= points)
+          return text_.fail("cell " + std::to_string(c) + " names point " + std::to_string(point) + ", but there are " +
+                                std::to_string(points) + " points",
+                            ErrorCode::index_out_of_range);
+        nodes[k] = static_cast<Index>(point);
+      }
+      sink_.add(nodes, vtk_order, 0);
     }
   }
 
