@@ -4,6 +4,8 @@
 #include <limits>
 #include <sstream>
 
+#include "mesh/mesh_files.hpp"
+
 namespace corotet {
 namespace {
 
@@ -66,16 +68,15 @@ TEST(WriteObj, BadSurfacesAreRefused) {
 }
 
 TEST(WriteObj, WritesTheFileOrSaysWhyNot) {
-  const std::string path = testing::TempDir() + "corotet_write_obj.obj";
+  const TemporaryFolder folder;
+  const std::string path = (folder / "surface.obj").string();
   ASSERT_TRUE(write_obj(path, two_triangles()).ok());
   EXPECT_EQ(read_file(path).value(), format_obj(two_triangles()).value());
-  EXPECT_EQ(write_obj(testing::TempDir() + "no_such_folder/x.obj", two_triangles()).error().code,
-            ErrorCode::file_unreadable);
+  EXPECT_EQ(write_obj(folder / "no_such_folder/x.obj", two_triangles()).error().code, ErrorCode::file_unreadable);
   SurfaceMesh bad = two_triangles();
   bad.triangles[0][0] = 9;
   EXPECT_EQ(write_obj(path, bad).error().code, ErrorCode::index_out_of_range);
   EXPECT_EQ(read_file(path).value(), format_obj(two_triangles()).value());  // what was there stays
-  std::remove(path.c_str());
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <limits>
 #include <vector>
 
+#include "mesh/mesh_files.hpp"
+
 namespace corotet {
 namespace {
 
@@ -52,9 +54,8 @@ std::vector<Frame> frames_in(const std::string& path) {
 
 class WritePvd : public testing::Test {
  protected:
-  void TearDown() override { std::remove(path_.c_str()); }
-  std::string path_ =
-      testing::TempDir() + "corotet_" + testing::UnitTest::GetInstance()->current_test_info()->name() + ".pvd";
+  TemporaryFolder folder_;
+  std::string path_ = (folder_ / "series.pvd").string();
 };
 
 TEST_F(WritePvd, IsCompleteAfterEveryFrame) {
@@ -96,7 +97,7 @@ TEST_F(WritePvd, RefusedFramesLeaveTheSeriesAsItWas) {
 }
 
 TEST_F(WritePvd, FoldersThatDoNotExistAreNamed) {
-  const auto result = PvdWriter::create(testing::TempDir() + "no_such_folder/x.pvd");
+  const auto result = PvdWriter::create(folder_ / "no_such_folder/x.pvd");
   ASSERT_FALSE(result.ok());
   EXPECT_EQ(result.error().code, ErrorCode::file_unreadable);
   PvdWriter series = PvdWriter::create(path_).value();

@@ -8,6 +8,8 @@
 #include <random>
 #include <sstream>
 
+#include "mesh/mesh_files.hpp"
+
 namespace corotet {
 namespace {
 
@@ -273,16 +275,16 @@ TEST_F(WriteVtuErrors, BadCellsAreNamed) {
 }
 
 TEST_F(WriteVtuErrors, FilesAreWrittenOrNotTouched) {
-  const std::string path = testing::TempDir() + "corotet_write_vtu.vtu";
+  const TemporaryFolder folder;
+  const std::string path = (folder / "grid.vtu").string();
   const VtuGrid grid{.points = points_, .cells = vtu_cells(mesh_)};
   ASSERT_TRUE(write_vtu(path, grid).ok());
   EXPECT_EQ(read_file(path).value(), format_vtu(grid).value());
-  EXPECT_EQ(write_vtu(testing::TempDir() + "no_such_folder/x.vtu", grid).error().code, ErrorCode::file_unreadable);
+  EXPECT_EQ(write_vtu(folder / "no_such_folder/x.vtu", grid).error().code, ErrorCode::file_unreadable);
   const std::string before = read_file(path).value();
   mesh_.connectivity[0] = 99;
   EXPECT_EQ(write_vtu(path, grid).error().code, ErrorCode::index_out_of_range);
   EXPECT_EQ(read_file(path).value(), before);
-  std::remove(path.c_str());
 }
 
 }  // namespace
