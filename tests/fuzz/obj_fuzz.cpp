@@ -1,0 +1,7 @@
+#include <corotet/mesh/io/read_obj.hpp>
+
+#include "fuzz/fuzz_surface.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  return corotet::fuzz::check_surface(corotet::read_obj(corotet::fuzz::as_text(data, size), "input"));
+}
