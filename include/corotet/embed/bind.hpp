@@ -79,20 +79,25 @@ template <std::floating_point Scalar, ReferenceElement Element>
 BoundPoint bind_point(const TetMesh<Scalar, Element>& mesh, const BoxTree& tree, double rounding,
                       const Vec3<double>& p) {
   BoundPoint bound;
-  double best = std::numeric_limits<double>::infinity();
-  const NearestPrimitive found = tree.nearest(p, [&](Index e) {
-    const ElementPoint q = closest_on_element<Element>(node_positions(mesh, e), p, rounding);
-    // Nothing is nearer than "inside": the search ends there.
-    const double d2 = q.squared_distance <= rounding * rounding ? 0 : q.squared_distance;
-    if (d2 < best) {
-      best = d2;
-      bound.xi = q.xi;
-    }
-    return d2;
-  });
-  bound.element = found.primitive;
-  bound.visited = found.visited;
-  bound.distance = std::sqrt(found.squared_distance);
+  const auto search = [&](bool thorough) {
+    double best = std::numeric_limits<double>::infinity();
+    const NearestPrimitive found = tree.nearest(p, [&](Index e) {
+      const ElementPoint q = closest_on_element<Element>(node_positions(mesh, e), p, rounding, thorough);
+      // Nothing is nearer than "inside": the search ends there.
+      const double d2 = q.squared_distance <= rounding * rounding ? 0 : q.squared_distance;
+      if (d2 < best) {
+        best = d2;
+        bound.xi = q.xi;
+      }
+      return d2;
+    });
+    bound.element = found.primitive;
+    bound.visited += found.visited;
+    bound.distance = std::sqrt(found.squared_distance);
+  };
+  search(false);
+  // One start for each element finds nearly every point that is inside; only the others are worth several.
+  if (Element::order > 1 && bound.distance > 0) search(true);
   const NodePositions<Element> x = node_positions(mesh, bound.element);
   const auto map = ElementField<double, Element::order>::from_nodes([&](int a) { return x[at(a)]; });
   bound.xi = usable_start<Element>(map, bound.xi);

@@ -24,20 +24,17 @@ Mat3<Scalar> cofactor(const Mat3<Scalar>& m) {
 /// A surface vertex, as small as it can be: updates are bound by the memory they read.
 template <std::floating_point Scalar, int order>
 struct BoundVertex {
-  Index slot;         ///< of the element that carries it
-  Vec3<Scalar> rest;  ///< P, m, relative to the mesh's origin
-  /// Tet4: xi + step, all that a linear field needs. Tet10: xi, then xi / 2 + step (see `ElementMotion::position`).
+  Index slot;  ///< of the element that carries it
+  /// Tet4: xi + step, all that a linear field needs. Tet10: xi, then xi / 2 + step (see `ElementMotion`).
   std::array<Vec3<Scalar>, order> where;
   /// J^T N with the rest Jacobian J = dX/dxi: the normal in natural coordinates, unit length. cof(dx/dxi) takes it to
   /// the deformed normal, as cof(F) N = cof(dx/dxi) J^T N / det J.
   Vec3<Scalar> normal;
 
-  /// `p`, m, and unit normal `n` (or zero) at rest, relative to the mesh's origin; bound at `point`, carried by
-  /// `carrier`.
+  /// Rest normal `n` (unit length, or zero) at `point`, which is carried by the element in slot `carrier`.
   template <ReferenceElement Element>
-  BoundVertex(const TetMesh<Scalar, Element>& mesh, const BoundPoint& point, Index carrier, const Vec3<double>& p,
-              const Vec3<double>& n)
-      : slot(carrier), rest(p.cast<Scalar>()) {
+  BoundVertex(const TetMesh<Scalar, Element>& mesh, const BoundPoint& point, Index carrier, const Vec3<double>& n)
+      : slot(carrier) {
     if constexpr (order == 1) {
       where[0] = (point.xi + point.step).template cast<Scalar>();
     } else {
@@ -65,36 +62,65 @@ struct BoundVertex {
   }
 };
 
-/// An element that carries vertices: its nodes and its rest shape.
+/// An element that carries vertices: its nodes, its rest shape (m) and the size of that.
 template <std::floating_point Scalar, ReferenceElement Element>
 struct CarrierElement {
   std::array<Index, Element::nodes> nodes;
   ElementField<Scalar, Element::order> rest;
+  Scalar size;
 
   CarrierElement(const TetMesh<Scalar, Element>& mesh, Index e)
       : nodes(mesh.element(e)),
-        rest(ElementField<Scalar, Element::order>::from_nodes([&](int a) { return mesh.position(nodes[at(a)]); })) {}
+        rest(ElementField<Scalar, Element::order>::from_nodes([&](int a) { return mesh.position(nodes[at(a)]); })),
+        size(rest.slope.cwiseAbs().maxCoeff()) {}
 };
 
-/// The normal cof(J) m / |.|, or zero where it is lost in rounding or overflow.
+/// A 3-vector in the first three of four lanes, the fourth 0: one SIMD register in float. For what is kept once an
+/// element; vertices stay packed.
 template <std::floating_point Scalar>
-Vec3<Scalar> turned_normal(const Vec3<Scalar>& cof_m, Scalar least_squared) {
-  const Scalar squared = cof_m.squaredNorm();
-  if (squared > least_squared && squared <= std::numeric_limits<Scalar>::max())
-    return cof_m * (Scalar(1) / std::sqrt(squared));
-  return Vec3<Scalar>::Zero();
+using Wide = Eigen::Matrix<Scalar, 4, 1>;
+
+template <std::floating_point Scalar>
+Wide<Scalar> widen(const Vec3<Scalar>& v) {
+  return {v[0], v[1], v[2], 0};
 }
 
-/// What cof(J) m must exceed, squared, to be more than rounding: each entry of the cofactor is a difference of products
-/// of the size of |J|^2.
+/// A matrix by its columns.
 template <std::floating_point Scalar>
-Scalar rounding_of_normal(const Mat3<Scalar>& jacobian) {
-  const Scalar size = 8 * std::numeric_limits<Scalar>::epsilon() * jacobian.squaredNorm();
+using WideColumns = std::array<Wide<Scalar>, 3>;
+
+template <std::floating_point Scalar>
+WideColumns<Scalar> widen_columns(const Mat3<Scalar>& m) {
+  return {widen<Scalar>(m.col(0)), widen<Scalar>(m.col(1)), widen<Scalar>(m.col(2))};
+}
+
+template <std::floating_point Scalar>
+Wide<Scalar> multiply(const WideColumns<Scalar>& m, const Vec3<Scalar>& v) {
+  return m[0] * v[0] + m[1] * v[1] + m[2] * v[2];
+}
+
+/// What |cof(J) m|^2 must exceed to be more than rounding, given |J|^2: each entry of the cofactor is a difference of
+/// products of that size.
+template <std::floating_point Scalar>
+Scalar rounding_of_normal(Scalar squared_jacobian) {
+  const Scalar size = 8 * std::numeric_limits<Scalar>::epsilon() * squared_jacobian;
   return size * size;
 }
 
-/// The motion of one element in the current frame. The inverse of the element's size makes Jacobians free of units, so
-/// that squares of areas stay far from the ends of float's range for bodies of any size.
+/// `cof_m` / |cof_m|; where that is lost in rounding or overflow, the rest normal at `xi` of m = `vertex.normal`.
+template <std::floating_point Scalar, ReferenceElement Element>
+Wide<Scalar> unit_normal(const Wide<Scalar>& cof_m, Scalar least_squared, const Vec3<Scalar>& m, const Vec3<Scalar>& xi,
+                         const CarrierElement<Scalar, Element>& carrier) {
+  const Scalar squared = cof_m.squaredNorm();
+  if (squared > least_squared && squared <= std::numeric_limits<Scalar>::max()) [[likely]]
+    return cof_m * (Scalar(1) / std::sqrt(squared));
+  const Mat3<Scalar> rest = carrier.rest.gradient(xi) / carrier.size;
+  return widen<Scalar>((cofactor(rest) * m).stableNormalized());
+}
+
+/// The motion of one element in the current frame: the polynomial of its current positions, x = X + u (relative to the
+/// mesh's origin). Slopes are divided by the element's rest size, so that squares of areas stay far from the ends of
+/// float's range for bodies of any size.
 template <std::floating_point Scalar, ReferenceElement Element>
 struct ElementMotion;
 
@@ -102,59 +128,67 @@ struct ElementMotion;
 template <std::floating_point Scalar, ReferenceElement Element>
   requires(Element::order == 1)
 struct ElementMotion<Scalar, Element> {
-  ElementField<Scalar, 1> displacement;
-  Mat3<Scalar> cof;
+  Wide<Scalar> at_zero;
+  WideColumns<Scalar> slope;  // not divided: nothing but positions needs it
+  WideColumns<Scalar> cof;
   Scalar least_squared;
 
   template <bool with_normals>
   void set(const CarrierElement<Scalar, Element>& carrier, const Vec3<Scalar>* u) {
-    displacement = ElementField<Scalar, 1>::from_nodes([&](int a) { return u[carrier.nodes[at(a)]]; });
+    const auto displacement =
+        ElementField<Scalar, 1>::from_nodes([&](int a) -> const Vec3<Scalar>& { return u[carrier.nodes[at(a)]]; });
+    const Mat3<Scalar> jacobian = carrier.rest.slope + displacement.slope;
+    at_zero = widen<Scalar>(carrier.rest.at_zero + displacement.at_zero);
+    slope = widen_columns<Scalar>(jacobian);
     if constexpr (with_normals) {
-      const Scalar inverse_size = 1 / carrier.rest.slope.cwiseAbs().maxCoeff();
-      const Mat3<Scalar> jacobian = (carrier.rest.slope + displacement.slope) * inverse_size;
-      cof = cofactor(jacobian);
-      least_squared = rounding_of_normal(jacobian);
+      const Mat3<Scalar> scaled = jacobian / carrier.size;
+      cof = widen_columns<Scalar>(cofactor(scaled));
+      least_squared = rounding_of_normal(scaled.squaredNorm());
     }
   }
 
-  [[nodiscard]] Vec3<Scalar> position(const BoundVertex<Scalar, 1>& vertex) const {
-    return vertex.rest + displacement.value(vertex.where[0]);
-  }
-
-  [[nodiscard]] Vec3<Scalar> normal(const BoundVertex<Scalar, 1>& vertex,
-                                    const CarrierElement<Scalar, Element>& carrier) const {
-    const Vec3<Scalar> n = turned_normal<Scalar>(cof * vertex.normal, least_squared);
-    if (!n.isZero(0)) return n;
-    return (cofactor(carrier.rest.slope) * vertex.normal).stableNormalized();
+  template <bool with_normals>
+  void evaluate(const BoundVertex<Scalar, 1>& vertex, const CarrierElement<Scalar, Element>& carrier, Wide<Scalar>& x,
+                Wide<Scalar>& n) const {
+    x = at_zero + multiply(slope, vertex.where[0]);
+    if constexpr (with_normals)
+      n = unit_normal(multiply(cof, vertex.normal), least_squared, vertex.normal, vertex.where[0], carrier);
   }
 };
 
-/// Tet10: gradients differ from vertex to vertex.
+/// Tet10: the Jacobian differs from vertex to vertex. Position and normal share it.
 template <std::floating_point Scalar, ReferenceElement Element>
   requires(Element::order == 2)
 struct ElementMotion<Scalar, Element> {
-  ElementField<Scalar, 2> displacement;
-  Scalar inverse_size;
+  Wide<Scalar> at_zero;
+  WideColumns<Scalar> slope, curvature, twist;  // see ElementField
+  Scalar size;
 
-  template <bool with_normals>
+  template <bool /*with_normals*/>
   void set(const CarrierElement<Scalar, Element>& carrier, const Vec3<Scalar>* u) {
-    displacement = ElementField<Scalar, 2>::from_nodes([&](int a) { return u[carrier.nodes[at(a)]]; });
-    inverse_size = 1 / carrier.rest.slope.cwiseAbs().maxCoeff();
+    const auto displacement =
+        ElementField<Scalar, 2>::from_nodes([&](int a) -> const Vec3<Scalar>& { return u[carrier.nodes[at(a)]]; });
+    size = carrier.size;
+    at_zero = widen<Scalar>(carrier.rest.at_zero + displacement.at_zero);
+    slope = widen_columns<Scalar>((carrier.rest.slope + displacement.slope) / size);
+    curvature = widen_columns<Scalar>((carrier.rest.curvature + displacement.curvature) / size);
+    twist = widen_columns<Scalar>((carrier.rest.twist + displacement.twist) / size);
   }
 
-  /// P + u(xi) + G(xi) step, where u(xi) = u(0) + (G(0) + G(xi)) xi / 2.
-  [[nodiscard]] Vec3<Scalar> position(const BoundVertex<Scalar, 2>& vertex) const {
-    return vertex.rest + (displacement.at_zero + displacement.slope * (vertex.where[0] / 2) +
-                          displacement.gradient(vertex.where[0]) * vertex.where[1]);
-  }
-
-  [[nodiscard]] Vec3<Scalar> normal(const BoundVertex<Scalar, 2>& vertex,
-                                    const CarrierElement<Scalar, Element>& carrier) const {
-    const Mat3<Scalar> rest = carrier.rest.gradient(vertex.where[0]);
-    const Mat3<Scalar> jacobian = (rest + displacement.gradient(vertex.where[0])) * inverse_size;
-    const Vec3<Scalar> n = turned_normal<Scalar>(cofactor(jacobian) * vertex.normal, rounding_of_normal(jacobian));
-    if (!n.isZero(0)) return n;
-    return (cofactor(rest) * vertex.normal).stableNormalized();
+  /// x(xi) + G(xi) step, where x(xi) = x(0) + (G(0) + G(xi)) xi / 2.
+  template <bool with_normals>
+  void evaluate(const BoundVertex<Scalar, 2>& vertex, const CarrierElement<Scalar, Element>& carrier, Wide<Scalar>& x,
+                Wide<Scalar>& n) const {
+    const Vec3<Scalar>&xi = vertex.where[0], &m = vertex.normal;
+    const WideColumns<Scalar> g{slope[0] + curvature[0] * xi[0] + twist[2] * xi[1] + twist[1] * xi[2],
+                                slope[1] + twist[2] * xi[0] + curvature[1] * xi[1] + twist[0] * xi[2],
+                                slope[2] + twist[1] * xi[0] + twist[0] * xi[1] + curvature[2] * xi[2]};
+    x = at_zero + size * (multiply<Scalar>(slope, xi / 2) + multiply(g, vertex.where[1]));
+    if constexpr (with_normals) {
+      const Wide<Scalar> cof_m = g[1].cross3(g[2]) * m[0] + g[2].cross3(g[0]) * m[1] + g[0].cross3(g[1]) * m[2];
+      const Wide<Scalar> squares = g[0].cwiseAbs2() + g[1].cwiseAbs2() + g[2].cwiseAbs2();
+      n = unit_normal(cof_m, rounding_of_normal(squares.sum()), m, xi, carrier);
+    }
   }
 };
 

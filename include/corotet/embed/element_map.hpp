@@ -108,6 +108,7 @@ template <ReferenceElement Element>
 ElementPoint refine_closest(const ElementField<double, Element::order>& map, const Vec3<double>& p,
                             const Vec3<double>& start, double tolerance) {
   constexpr int most_steps = 50, most_halvings = 30;
+  constexpr double least_gain = 1e-9;  // of the squared distance
   ElementPoint now{start, (map.value(start) - p).squaredNorm()};
   for (int step = 0; step < most_steps && now.squared_distance > tolerance * tolerance; ++step) {
     const Vec3<double> x = map.value(now.xi);
@@ -125,15 +126,16 @@ ElementPoint refine_closest(const ElementField<double, Element::order>& map, con
         break;
       }
     }
-    if (!(now.squared_distance < before * (1 - 1e-12))) break;
+    if (!(now.squared_distance < before * (1 - least_gain))) break;
   }
   return now;
 }
 
 /// The point of the element nearest to `p`: closed form where the sides are straight to `tolerance` (m), iterated where
-/// they are curved, from several starts unless the first one ends at `p` itself.
+/// they are curved; with `thorough` from several starts unless the first one ends at `p` itself.
 template <ReferenceElement Element>
-ElementPoint closest_on_element(const NodePositions<Element>& x, const Vec3<double>& p, double tolerance) {
+ElementPoint closest_on_element(const NodePositions<Element>& x, const Vec3<double>& p, double tolerance,
+                                bool thorough) {
   const SimplexPoint<4> straight = closest_on_tetrahedron({x[0], x[1], x[2], x[3]}, p);
   ElementPoint best{natural(straight), straight.squared_distance};
   if constexpr (Element::order == 2) {
@@ -141,7 +143,7 @@ ElementPoint closest_on_element(const NodePositions<Element>& x, const Vec3<doub
     const auto map = ElementField<double, Element::order>::from_nodes([&](int a) { return x[at(a)]; });
     best = refine_closest<Element>(map, p, best.xi, tolerance);
     for (const QuadraturePoint& q : Element::stiffness_points) {
-      if (best.squared_distance <= tolerance * tolerance) break;
+      if (!thorough || best.squared_distance <= tolerance * tolerance) break;
       const ElementPoint other = refine_closest<Element>(map, p, Vec3<double>(q.xi[0], q.xi[1], q.xi[2]), tolerance);
       if (other.squared_distance < best.squared_distance) best = other;
     }

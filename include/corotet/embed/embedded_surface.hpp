@@ -61,7 +61,7 @@ class EmbeddedSurface {
         surface.elements_.emplace_back(mesh, point.element);
       }
       const Vec3<double> normal = surface.has_normals_ ? normals[at(v)] : Vec3<double>(Vec3<double>::Zero());
-      surface.vertices_.emplace_back(mesh, point, slot, rest_positions[at(v)] - mesh.origin(), normal);
+      surface.vertices_.emplace_back(mesh, point, slot, normal);
       surface.boxes_visited_ += point.visited;
       if (point.distance > 0) {
         surface.outside_vertices_.push_back(v);
@@ -94,38 +94,36 @@ class EmbeddedSurface {
   void update(std::span<const Vec3<Scalar>> u, const VertexBuffer& out, E&& executor) {
     COROTET_ASSERT(out.data != nullptr && out.count == vertex_count(), "the buffer needs one vertex per bound vertex");
     COROTET_ASSERT(out.fits(out.position_offset) && out.fits(out.normal_offset), "an attribute exceeds the stride");
-    const Vec3<Scalar> translation = out.translation.template cast<Scalar>();
-    const auto position = [&](Index v, const Vec3<Scalar>& x) {
+    const detail::Wide<Scalar> translation = detail::widen<Scalar>(out.translation.template cast<Scalar>());
+    const auto position = [&](Index v, const detail::Wide<Scalar>& x) {
       detail::store<Scalar>(out.data + at(v) * out.stride + out.position_offset, x + translation);
     };
-    const auto normal = [&](Index v, const Vec3<Scalar>& n) {
-      detail::store(out.data + at(v) * out.stride + out.normal_offset, n);
+    const auto normal = [&](Index v, const detail::Wide<Scalar>& n) {
+      detail::store<Scalar>(out.data + at(v) * out.stride + out.normal_offset, n);
     };
-    const auto nothing = [](Index, const Vec3<Scalar>&) {};
-    if (out.normal_offset == VertexBuffer::none && out.position_offset == VertexBuffer::none) return;
-    if (out.normal_offset == VertexBuffer::none)
-      deform<true, false>(u, executor, position, nothing);
-    else if (out.position_offset == VertexBuffer::none)
-      deform<false, true>(u, executor, nothing, normal);
-    else
-      deform<true, true>(u, executor, position, normal);
+    const bool with_positions = out.position_offset != VertexBuffer::none;
+    const bool with_normals = out.normal_offset != VertexBuffer::none;
+    if (with_positions && with_normals)
+      deform<true>(u, executor, position, normal);
+    else if (with_positions)
+      deform<false>(u, executor, position, nothing);
+    else if (with_normals)
+      deform<true>(u, executor, nothing, normal);
   }
   void update(std::span<const Vec3<Scalar>> u, const VertexBuffer& out) { update(u, out, SerialExecutor{}); }
 
   /// Positions alone, m, relative to the mesh's origin: one a bound vertex.
   void positions(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out) {
     COROTET_ASSERT(size_of(out) == vertex_count(), "out needs one entry per bound vertex");
-    deform<true, false>(
-        u, SerialExecutor{}, [&](Index v, const Vec3<Scalar>& x) { out[at(v)] = x; },
-        [](Index, const Vec3<Scalar>&) {});
+    const auto write = [&](Index v, const detail::Wide<Scalar>& x) { out[at(v)] = x.template head<3>(); };
+    deform<false>(u, SerialExecutor{}, write, nothing);
   }
 
   /// Unit normals alone.
   void normals(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out) {
     COROTET_ASSERT(size_of(out) == vertex_count(), "out needs one entry per bound vertex");
-    deform<false, true>(
-        u, SerialExecutor{}, [](Index, const Vec3<Scalar>&) {},
-        [&](Index v, const Vec3<Scalar>& n) { out[at(v)] = n; });
+    const auto write = [&](Index v, const detail::Wide<Scalar>& n) { out[at(v)] = n.template head<3>(); };
+    deform<true>(u, SerialExecutor{}, nothing, write);
   }
 
   [[nodiscard]] Index vertex_count() const { return size_of(vertices_); }
@@ -158,7 +156,10 @@ class EmbeddedSurface {
 
   EmbeddedSurface() = default;
 
-  template <bool with_positions, bool with_normals, Executor E, class WritePosition, class WriteNormal>
+  static constexpr auto nothing = [](Index, const detail::Wide<Scalar>&) {};
+
+  /// Sets the motion of each carrier, then hands each vertex's position and normal to the writers.
+  template <bool with_normals, Executor E, class WritePosition, class WriteNormal>
   void deform(std::span<const Vec3<Scalar>> u, E&& executor, const WritePosition& write_position,
               const WriteNormal& write_normal) {
     COROTET_ASSERT(size_of(u) == mesh_vertices_, "displacements need one entry per mesh vertex");
@@ -169,9 +170,10 @@ class EmbeddedSurface {
     for_ranges(executor, vertex_count(), vertex_grain, [&](Index begin, Index end) {
       for (Index v = begin; v < end; ++v) {
         const Vertex& vertex = vertices_[at(v)];
-        const Motion& motion = motions_[at(vertex.slot)];
-        if constexpr (with_positions) write_position(v, motion.position(vertex));
-        if constexpr (with_normals) write_normal(v, motion.normal(vertex, elements_[at(vertex.slot)]));
+        detail::Wide<Scalar> x, n;
+        motions_[at(vertex.slot)].template evaluate<with_normals>(vertex, elements_[at(vertex.slot)], x, n);
+        write_position(v, x);
+        if constexpr (with_normals) write_normal(v, n);
       }
     });
   }

@@ -29,9 +29,9 @@ struct VertexBuffer {
 
 namespace detail {
 
-/// Three floats at any address.
+/// The first three entries as floats at any address.
 template <std::floating_point Scalar>
-void store(std::byte* where, const Vec3<Scalar>& v) {
+void store(std::byte* where, const Eigen::Matrix<Scalar, 4, 1>& v) {
   const std::array<float, 3> xyz{static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
   std::memcpy(where, xyz.data(), sizeof xyz);
 }
