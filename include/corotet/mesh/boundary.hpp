@@ -68,8 +68,11 @@ inline Error face_error(const FaceUse& use, const std::string& reason) {
 
 /// The node between two corners of a Tet10.
 inline std::size_t middle_node(std::size_t a, std::size_t b) {
+  const auto joins = [&](const ElementEdge& edge) {
+    return (edge.a == a && edge.b == b) || (edge.a == b && edge.b == a);
+  };
   std::size_t k = 0;
-  while (!(tet_edges[k].a == a && tet_edges[k].b == b) && !(tet_edges[k].a == b && tet_edges[k].b == a)) ++k;
+  while (!joins(tet_edges[k])) ++k;
   return 4 + k;
 }
 
@@ -162,11 +165,12 @@ template <std::floating_point Scalar>
                                              const std::vector<Vec3<Scalar>>& positions) {
   constexpr Index unused = -1;
   std::vector<Index> surface_vertex(positions.size(), unused);
-  for (const auto& triangle : boundary.triangles)
+  for (const auto& triangle : boundary.triangles) {
     for (const Index v : triangle) {
       COROTET_ASSERT(v >= 0 && at(v) < positions.size(), "give one position for each vertex of the volume mesh");
       surface_vertex[at(v)] = 0;
     }
+  }
   CompactSurface compact;
   for (std::size_t v = 0; v < positions.size(); ++v) {
     if (surface_vertex[v] == unused) continue;

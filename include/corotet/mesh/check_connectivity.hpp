@@ -15,16 +15,18 @@ inline Status check_connectivity(const MeshData& mesh) {
   if (nodes != 4 && nodes != 10)
     return Error{ErrorCode::invalid_argument, "mesh",
                  "its elements have " + std::to_string(nodes) + " nodes, only 4 and 10 are known"};
-  if (mesh.connectivity.size() % at(nodes) != 0)
+  if (mesh.connectivity.size() % at(nodes) != 0) {
     return Error{ErrorCode::invalid_argument, "mesh",
                  "connectivity has " + std::to_string(mesh.connectivity.size()) + " entries, not a multiple of " +
                      std::to_string(nodes)};
+  }
   for (std::size_t i = 0; i < mesh.connectivity.size(); ++i) {
     const Index v = mesh.connectivity[i];
-    if (v < 0 || at(v) >= mesh.positions.size())
+    if (v < 0 || at(v) >= mesh.positions.size()) {
       return Error{ErrorCode::index_out_of_range, "element " + std::to_string(i / at(nodes)),
                    "it names vertex " + std::to_string(v) + ", but the mesh has " +
                        std::to_string(mesh.positions.size()) + " vertices"};
+    }
   }
   return {};
 }

@@ -17,10 +17,11 @@ namespace corotet {
 /// non_finite_value.
 [[nodiscard]] inline Result<std::string> format_obj(const SurfaceMesh& surface) {
   const bool has_normals = !surface.normals.empty();
-  if (has_normals && surface.normals.size() != surface.positions.size())
+  if (has_normals && surface.normals.size() != surface.positions.size()) {
     return Error{ErrorCode::invalid_argument, "normals",
                  "there are " + std::to_string(surface.normals.size()) + " for " +
                      std::to_string(surface.positions.size()) + " vertices; give one each, or none"};
+  }
   detail::TextWriter text;
   text.reserve(surface.positions.size() * (has_normals ? 120 : 60) + surface.triangles.size() * 30);
   text << "# metres\n";

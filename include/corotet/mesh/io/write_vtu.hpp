@@ -131,10 +131,11 @@ class VtuText {
 };
 
 inline Status check_vtu_values(const VtuArray& array, std::size_t count, std::string_view per) {
-  if (array.values.size() != count)
+  if (array.values.size() != count) {
     return Error{ErrorCode::invalid_argument, quoted(array.name),
                  "it has " + std::to_string(array.values.size()) + " entries for " + std::to_string(count) + " " +
                      std::string(per)};
+  }
   if (const auto i = array.values.first_non_finite(); i < count)
     return Error{ErrorCode::non_finite_value, quoted(array.name),
                  "its entry " + std::to_string(i) + " is not a finite number"};
@@ -156,10 +157,11 @@ inline Status add_vtu_arrays(VtuText& text, std::span<const VtuArray> arrays, st
 }
 
 inline Status check_vtu_cells(const VtuCells& cells, std::size_t point_count) {
-  if (vtk_cell_type(cells.nodes_per_cell) == 0 || cells.connectivity.size() % at(cells.nodes_per_cell) != 0)
+  if (vtk_cell_type(cells.nodes_per_cell) == 0 || cells.connectivity.size() % at(cells.nodes_per_cell) != 0) {
     return Error{ErrorCode::invalid_argument, "cells",
                  "cells have 3, 4 or 10 nodes, here " + std::to_string(cells.nodes_per_cell) + ", and " +
                      std::to_string(cells.connectivity.size()) + " entries of connectivity"};
+  }
   for (std::size_t i = 0; i < cells.connectivity.size(); ++i) {
     const Index v = cells.connectivity[i];
     if (v < 0 || at(v) >= point_count)
