@@ -138,9 +138,7 @@ class Elasticity {
                           std::array<Mat3Lanes<Scalar>, points>& f, std::array<Mat3Lanes<Scalar>, points>& r) {
     std::array<Vec3Lanes<Scalar>, nodes> u;
     batch.gather(displacement.data(), u);
-    [&]<std::size_t... Q>(std::index_sequence<Q...>) {
-      (batch.template displacement_gradient<Q>(u, f[Q]), ...);
-    }(std::make_index_sequence<points>());
+    for (std::size_t q = 0; q < points; ++q) batch.displacement_gradient(q, u, f[q]);
     for (std::size_t q = 0; q < points; ++q)
       for (int i = 0; i < 3; ++i) f[q](i, i) += Scalar(1);
     if constexpr (Rotation::per_element && points > 1) {
@@ -194,50 +192,32 @@ class Elasticity {
     const Index first = b * lane_count<Scalar>;
     const int used = static_cast<int>(std::min<Index>(lane_count<Scalar>, elements_ - first));
 
-    [&]<std::size_t... Q>(std::index_sequence<Q...>) {
-      const auto point = [&]<std::size_t P>() {
-        const Mat3Lanes<Scalar>&fq = f[P], &rq = r[P];
-        const Strain e = strain(fq, rq);
-        largest_strain2 = largest_strain2.max(e.squared_norm());
-        least_trace = least_trace.min(rq(0, 0) + rq(1, 1) + rq(2, 2));
-        inverted = inverted || !(determinant(fq) > 0);
+    for (std::size_t q = 0; q < points; ++q) {
+      const Mat3Lanes<Scalar>&fq = f[q], &rq = r[q];
+      const Strain e = strain(fq, rq);
+      largest_strain2 = largest_strain2.max(e.squared_norm());
+      least_trace = least_trace.min(rq(0, 0) + rq(1, 1) + rq(2, 2));
+      inverted = inverted || !(determinant(fq) > 0);
 
-        // R dxi/dX^T: the rotated gradient of node a is this times its natural gradient.
-        const Mat3Lanes<Scalar>& inverse = batch.point[P].inverse_jacobian;
-        Mat3Lanes<Scalar> rotated;
-        for (int i = 0; i < 3; ++i)
-          for (int c = 0; c < 3; ++c)
-            rotated(i, c) = rq(i, 0) * inverse(c, 0) + rq(i, 1) * inverse(c, 1) + rq(i, 2) * inverse(c, 2);
+      const Mat3Lanes<Scalar>& inverse = batch.point[q].inverse_jacobian;
+      Mat3Lanes<Scalar> stress, rotated, rotated_stress, natural_stress;
+      scaled_stress(batch, q, e, stress);
+      // The rotated gradient of node a is R (dxi/dX)^T times its natural gradient, its force -V R s (dxi/dX)^T times
+      // it.
+      product_with_transpose(rq, inverse, rotated);
+      product(rq, stress, rotated_stress);
+      product_with_transpose(rotated_stress, inverse, natural_stress);
 
-        const L lambda_trace = batch.lambda * (e[0] + e[1] + e[2]), two_mu = Scalar(2) * batch.mu;
-        const Mat3Lanes<Scalar> stress = symmetric(batch.point[P].volume, two_mu, lambda_trace, e);
-        Mat3Lanes<Scalar> rotated_stress;  // V R s
-        for (int i = 0; i < 3; ++i)
-          for (int j = 0; j < 3; ++j)
-            rotated_stress(i, j) = rq(i, 0) * stress(0, j) + rq(i, 1) * stress(1, j) + rq(i, 2) * stress(2, j);
-        Mat3Lanes<Scalar> natural_stress;  // -V R s dxi/dX^T: minus the force per unit natural gradient
-        for (int i = 0; i < 3; ++i)
-          for (int c = 0; c < 3; ++c)
-            natural_stress(i, c) = -(rotated_stress(i, 0) * inverse(c, 0) + rotated_stress(i, 1) * inverse(c, 1) +
-                                     rotated_stress(i, 2) * inverse(c, 2));
-
-        Batch::for_nodes([&]<std::size_t A>() {
-          Vec3Lanes<Scalar> gradient;
-          for (std::size_t i = 0; i < 3; ++i) {
-            gradient[i].setZero();
-            Batch::template add_gradient<P, A, 0>(gradient[i], rotated.entry[i][0]);
-            Batch::template add_gradient<P, A, 1>(gradient[i], rotated.entry[i][1]);
-            Batch::template add_gradient<P, A, 2>(gradient[i], rotated.entry[i][2]);
-            Batch::template add_gradient<P, A, 0>(force[A][i], natural_stress.entry[i][0]);
-            Batch::template add_gradient<P, A, 1>(force[A][i], natural_stress.entry[i][1]);
-            Batch::template add_gradient<P, A, 2>(force[A][i], natural_stress.entry[i][2]);
-            for (int l = 0; l < used; ++l) out.gradient[at(first + l)][P][A][static_cast<int>(i)] = gradient[i][l];
+      for (std::size_t a = 0; a < nodes; ++a)
+        for (std::size_t i = 0; i < 3; ++i) {
+          L gradient = L::Zero();
+          for (std::size_t c = 0; c < 3; ++c) {
+            Batch::add_gradient(q, a, c, rotated.entry[i][c], gradient);
+            Batch::add_gradient(q, a, c, natural_stress.entry[i][c], force[a][i]);
           }
-        });
-      };
-      (point.template operator()<Q>(), ...);
-    }(std::make_index_sequence<points>());
-
+          for (int l = 0; l < used; ++l) out.gradient[at(first + l)][q][a][static_cast<int>(i)] = gradient[l];
+        }
+    }
     for (std::size_t a = 0; a < nodes; ++a)
       for (int i = 0; i < 3; ++i)
         for (int l = 0; l < used; ++l) out.force[at(first + l)][a][i] = force[a][at(i)][l];
@@ -251,16 +231,24 @@ class Elasticity {
            m(0, 2) * (m(1, 0) * m(2, 1) - m(1, 1) * m(2, 0));
   }
 
-  /// V (2 mu e + lambda tr(e) I).
-  static Mat3Lanes<Scalar> symmetric(const Lanes<Scalar>& volume, const Lanes<Scalar>& two_mu,
-                                     const Lanes<Scalar>& lambda_trace, const Strain& e) {
-    Mat3Lanes<Scalar> s;
+  /// Minus the stress times the volume: -V (2 mu e + lambda tr(e) I).
+  static void scaled_stress(const Batch& batch, std::size_t q, const Strain& e, Mat3Lanes<Scalar>& s) {
+    const Lanes<Scalar> two_mu = Scalar(-2) * batch.mu * batch.point[q].volume;
+    const Lanes<Scalar> pressure = batch.lambda * batch.point[q].volume * (e[0] + e[1] + e[2]);
     for (int i = 0; i < 3; ++i) {
       const int j = (i + 1) % 3, k = (i + 2) % 3;
-      s(i, i) = volume * (two_mu * e[at(i)] + lambda_trace);
-      s(j, k) = s(k, j) = volume * two_mu * e[at(3 + i)];
+      s(i, i) = two_mu * e[at(i)] - pressure;
+      s(j, k) = s(k, j) = two_mu * e[at(3 + i)];
     }
-    return s;
+  }
+
+  static void product(const Mat3Lanes<Scalar>& a, const Mat3Lanes<Scalar>& b, Mat3Lanes<Scalar>& ab) {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) ab(i, j) = a(i, 0) * b(0, j) + a(i, 1) * b(1, j) + a(i, 2) * b(2, j);
+  }
+  static void product_with_transpose(const Mat3Lanes<Scalar>& a, const Mat3Lanes<Scalar>& b, Mat3Lanes<Scalar>& abt) {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) abt(i, j) = a(i, 0) * b(j, 0) + a(i, 1) * b(j, 1) + a(i, 2) * b(j, 2);
   }
 
   struct PointStiffness {

@@ -4,7 +4,6 @@
 #include <array>
 #include <corotet/core/lanes.hpp>
 #include <corotet/element/reference_element.hpp>
-#include <utility>
 
 namespace corotet {
 
@@ -39,43 +38,30 @@ struct ElementBatch {
       }
   }
 
-  /// F - I at quadrature point `Q`: sum over nodes of u (x) grad N.
-  template <std::size_t Q>
-  void displacement_gradient(const std::array<Vec3Lanes<Scalar>, Element::nodes>& u, Mat3Lanes<Scalar>& h) const {
+  /// F - I at quadrature point `q`: sum over nodes of u (x) grad N.
+  void displacement_gradient(std::size_t q, const std::array<Vec3Lanes<Scalar>, Element::nodes>& u,
+                             Mat3Lanes<Scalar>& h) const {
     Mat3Lanes<Scalar> natural;  // du/dxi
     for (int i = 0; i < 3; ++i)
       for (int c = 0; c < 3; ++c) natural(i, c).setZero();
-    for_nodes([&]<std::size_t A>() {
-      for (std::size_t i = 0; i < 3; ++i) {
-        add_gradient<Q, A, 0>(natural.entry[i][0], u[A][i]);
-        add_gradient<Q, A, 1>(natural.entry[i][1], u[A][i]);
-        add_gradient<Q, A, 2>(natural.entry[i][2], u[A][i]);
-      }
-    });
-    const Mat3Lanes<Scalar>& inverse = point[Q].inverse_jacobian;
+    for (std::size_t a = 0; a < Element::nodes; ++a)
+      for (std::size_t c = 0; c < 3; ++c)
+        for (std::size_t i = 0; i < 3; ++i) add_gradient(q, a, c, u[a][i], natural.entry[i][c]);
+    const Mat3Lanes<Scalar>& inverse = point[q].inverse_jacobian;
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
         h(i, j) = natural(i, 0) * inverse(0, j) + natural(i, 1) * inverse(1, j) + natural(i, 2) * inverse(2, j);
   }
 
-  /// Calls `body.operator()<A>()` for each node A, unrolled.
-  template <class Body>
-  static void for_nodes(Body&& body) {
-    [&]<std::size_t... A>(std::index_sequence<A...>) {
-      (body.template operator()<A>(), ...);
-    }(std::make_index_sequence<Element::nodes>());
-  }
-
-  /// sum += dN_A/dxi_C * value at point Q, without the products by 0, 1 and -1: all of them in Tet4.
-  template <std::size_t Q, std::size_t A, std::size_t C>
-  static void add_gradient(Lanes<Scalar>& sum, const Lanes<Scalar>& value) {
-    constexpr double gradient = natural_gradients<Element>[Q][A][C];
-    if constexpr (gradient == 1)
-      sum += value;
-    else if constexpr (gradient == -1)
-      sum -= value;
-    else if constexpr (gradient != 0)
-      sum += static_cast<Scalar>(gradient) * value;
+  /// sum += dN_a/dxi_c * value at point q, without the products by 0, 1 and -1: all of them in Tet4, half in Tet10.
+  static void add_gradient(std::size_t q, std::size_t a, std::size_t c, const Lanes<Scalar>& value,
+                           Lanes<Scalar>& sum) {
+    const auto gradient = static_cast<Scalar>(natural_gradients<Element>[q][a][c]);
+    if (gradient == 0) return;
+    if constexpr (Element::order == 1)
+      gradient > 0 ? sum += value : sum -= value;
+    else
+      sum += gradient * value;
   }
 };
 
