@@ -9,6 +9,7 @@
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/soft_body.hpp>
+#include <corotet/dynamics/step_phase.hpp>
 #include <corotet/dynamics/step_report.hpp>
 #include <corotet/solve/auto_solver.hpp>
 #include <corotet/solve/solver.hpp>
@@ -45,20 +46,24 @@ class ImplicitEuler {
   [[nodiscard]] const Solver& solver() const { return solver_; }
 
   /// Advances `body` by `h` seconds. Whatever happens is in the report; a refused step leaves the body untouched.
-  template <Executor E>
-  StepReport step(Body& body, Scalar h, E& executor) {
+  /// `observer` is told of each phase as it begins.
+  template <Executor E, StepObserver O = IgnorePhases>
+  StepReport step(Body& body, Scalar h, E& executor, O&& observer = O()) {
     COROTET_ASSERT(body.pattern() == matrix_.shared_pattern(), "this integrator was made for another body");
     StepReport report = check_input(body, h);
     if (!report.accepted()) return report;
+    observer(StepPhase::assembly);
     evaluate(body, executor);
     build_system(body, h, executor);
 
+    observer(StepPhase::solve);
     const SolveReport solve = solver_.solve(matrix_, right_side_, change_, executor);
     report.converged = solve.status == SolveStatus::converged;
     report.iterations = solve.iterations;
     report.residual = solve.residual;
     if (solve.status == SolveStatus::breakdown) return refuse(report, Refusal::solver_breakdown);
 
+    observer(StepPhase::update);
     flat(velocity_) += flat(change_);
     flat(displacement_) = flat(body.displacements()) + h * flat(velocity_);
     for (std::size_t p = 0; p < body.pins().vertices().size(); ++p)  // exactly there, without rounding of h * v
