@@ -7,9 +7,10 @@
 //   in SpMV     the same, in products of the body's 3x3-block float matrix with a vector, timed in the same run
 //   tip error   of the drop at rest, in double, solver tolerance 1e-8, against the converged 3D solution: space alone
 //   algebra     largest difference of the float tip's path to one in double with tolerance 1e-10, of the length
-#include <chrono>
 #include <corotet/rotation/per_element.hpp>
 #include <cstdio>
+#include <ctime>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -27,11 +28,12 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
+/// Processor time, which a busy machine lengthens less than the time on the wall. One thread, so the two mean the same.
 template <class Work>
 double milliseconds(Work&& work) {
-  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t start = std::clock();
   work();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return 1e3 * double(std::clock() - start) / CLOCKS_PER_SEC;
 }
 
 /// A product of the body's matrix with a vector, ms.
@@ -43,11 +45,12 @@ double spmv(const Body& body) {
   Field<Scalar> x(at(body.vertex_count()), Vec3<Scalar>::Ones()), y(x);
   SerialExecutor serial;
   std::vector<double> times;
+  const int repetitions = 1 + 200'000 / body.pattern()->blocks();  // long enough for a clock of microseconds
   for (int i = 0; i < 51; ++i)
     times.push_back(milliseconds([&] {
-                      for (int k = 0; k < 10; ++k) matrix.apply(x, y, serial);
+                      for (int k = 0; k < repetitions; ++k) matrix.apply(x, y, serial);
                     }) /
-                    10);
+                    repetitions);
   return y[0].allFinite() ? median(times) : 0;
 }
 

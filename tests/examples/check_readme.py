@@ -1,0 +1,16 @@
+"""The first program of README.md is examples/hello.cpp, letter by letter, and what README.md links to exists."""
+import re
+import sys
+from pathlib import Path
+
+root = Path(__file__).resolve().parent.parent.parent
+readme = (root / "README.md").read_text()
+
+listing = re.search(r"```cpp\n(.*?)```", readme, re.DOTALL)
+if not listing or listing[1] != (root / "examples" / "hello.cpp").read_text():
+    sys.exit("the first C++ listing of README.md is not examples/hello.cpp")
+
+missing = [target for target in re.findall(r"\]\(([^)#:]+)\)|src=\"([^\":]+)\"", readme)
+           if not (root / (target[0] or target[1])).exists()]
+if missing:
+    sys.exit(f"README.md links to what does not exist: {missing}")

@@ -1,0 +1,108 @@
+"""Runs one example, named by the path of its program, with small settings, and checks what it prints.
+
+The expected numbers come from elsewhere: beam theory, a converged solution of the same 3D beam by another program, and
+peers' results on the same beam.
+"""
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+
+def run(program, *arguments):
+    result = subprocess.run([program, *arguments], capture_output=True, text=True, timeout=280)
+    print(result.stdout, result.stderr, sep="")
+    expect(result.returncode == 0, f"exit code 0, got {result.returncode}")
+    return result.stdout
+
+
+def expect(condition, what):
+    if not condition:
+        sys.exit(f"expected {what}")
+
+
+def near(value, expected, tolerance, what):
+    expect(abs(value - expected) <= tolerance * abs(expected), f"{what} {expected} within {tolerance:.1%}, got {value}")
+
+
+def table(text):
+    """Rows of the tables in `text`: first cell -> the other cells."""
+    rows = (re.findall(r"\|([^|]*)(?=\|)", line) for line in text.splitlines() if line.startswith("|"))
+    return {cells[0].strip(): [c.strip() for c in cells[1:]] for cells in map(list, rows)}
+
+
+def hello(program, _):
+    moved = dict(re.findall(r"frame (\d+): the tip has moved by (-?[\d.]+) m", run(program)))
+    expect(sorted(moved) == ["15", "30", "45", "60"], "four lines")
+    # The same beam, time step and method: 240,000 linear tetrahedra and a quadratic lattice of a peer agree on this.
+    near(float(moved["30"]), -0.829, 0.01, "the displacement after half a second")
+
+
+def linear_vs_corotated(program, folder):
+    rows = table(run(program, folder, "10"))
+    linear, gram_schmidt, polar = ([float(x) for x in rows[name]] for name in ("identity", "gram_schmidt", "polar"))
+    expect(linear[0] > 1.2, "linear elasticity to blow up the volume by more than 20 %")
+    near(linear[2], 1, 0.02, "the drop of linear elasticity, q L / 8 =")
+    for name, row in (("gram_schmidt", gram_schmidt), ("polar", polar)):
+        near(row[0], 1, 0.05, f"the volume of {name}")
+        near(row[2], 0.64665, 0.02, f"the drop of {name}")
+    near(polar[1], 0.27661, 0.03, "the shortening of polar")
+    for name in ("identity", "gram_schmidt", "polar"):
+        expect((Path(folder) / f"{name}.vtu").stat().st_size > 10000, f"{name}.vtu")
+
+
+def embedded_beam(program, folder):
+    text = run(program, folder, "15")
+    expect("46656 triangles on 23424 vertices, in 50 quadratic tetrahedra; 0 vertices outside" in text,
+           "a surface inside the tetrahedra")
+    tip = [float(x) for x in re.search(r"0\.25 s: tip at \(([-\d.]+), ([-\d.]+), ([-\d.]+)\)", text).groups()]
+    expect(tip[0] < 1 and tip[2] < -0.15, "the tip to fall")
+    expect(abs(tip[1]) < 0.01, "no sideways drift")
+    for series in ("surface", "body"):
+        files = re.findall(r'file="([^"]+)"', (Path(folder) / f"{series}.pvd").read_text())
+        expect(len(files) == 16 and all((Path(folder) / f).is_file() for f in files), f"16 frames of {series}")
+
+
+def natural_frequencies(program, _):
+    text = run(program)
+    rows = [[c.strip() for c in line.strip("| ").split("|")] for line in text.splitlines() if "%" in line]
+    expect(len(rows) == 12, "twelve rows")
+    for mesh, _, mass, first, _second in rows:
+        if mesh.startswith("Tet10"):
+            expect(abs(float(first.rstrip("% "))) < 0.6, f"{mesh}, {mass}: the first frequency within 0.6 %")
+    finest = [row for row in rows if row[0].startswith("Tet10 20x2x2")]
+    for _, _, mass, first, second in finest:
+        expect(abs(float(first.rstrip("% "))) < 0.1, f"{mass}: the first frequency within 0.1 %")
+        expect(abs(float(second.rstrip("% "))) < 0.3, f"{mass}: the second frequency within 0.3 %")
+
+
+def speed_against_error(program, _):
+    rows = table(run(program, "quick"))
+    # No test of times. Tet10 with a rotation at each quadrature point: -1 % in an independent program.
+    error, algebra = (float(rows["Tet10, 10x1x1 cells"][i].rstrip("% ")) for i in (5, 6))
+    expect(abs(error) < 2, "a tip error below 2 %")
+    expect(0 <= algebra < 0.5, "an algebraic error below 0.5 % of the length")
+
+
+def sag(program, linear_range):
+    text = run(program)
+    ratio = {int(o): float(r) for o, r in re.findall(r"order (\d):.*ratio ([\d.]+)", text)}
+    expect(set(ratio) == {1, 2}, "two orders")
+    expect(linear_range[0] < ratio[1] < linear_range[1], f"linear elements to be too stiff: {linear_range}")
+    near(ratio[2], 1, 0.02, "quadratic elements' ratio to Timoshenko")
+    expect(abs(ratio[2] - 1) < 0.1 * abs(ratio[1] - 1), "quadratic elements to be ten times better")
+
+
+def beam_gmsh(program, _):
+    sag(program, (0.3, 0.9))
+
+
+def beam_cgal(program, _):
+    sag(program, (0.3, 0.9))
+
+
+if __name__ == "__main__":
+    path = Path(sys.argv[1]).resolve()
+    with tempfile.TemporaryDirectory() as scratch:
+        globals()[path.stem](path, scratch)
