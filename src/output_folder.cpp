@@ -1,0 +1,112 @@
+#include "output_folder.hpp"
+
+#include <fmt/format.h>
+
+#include <corotet/mesh/io/file_bytes.hpp>
+#include <corotet/mesh/io/write_vtu.hpp>
+#include <iterator>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "failure.hpp"
+
+namespace corotet::program {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* frames_folder = "frames";
+
+void make_folder(const fs::path& folder) {
+  std::error_code code;
+  fs::create_directories(folder, code);
+  if (!fs::is_directory(folder))
+    throw Failure(fmt::format("{}: this folder cannot be made: {}", folder.string(),
+                              code ? code.message() : "a file of this name is there"));
+}
+
+/// Removes what a run writes and nothing else, so that old files cannot pass for new ones.
+void remove_earlier_run(const fs::path& folder) {
+  std::error_code ignored;
+  for (const char* name : {"summary.json", "final.txt", "probes.csv", "volume.pvd", "surface.pvd"})
+    fs::remove(folder / name, ignored);
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder / frames_folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if ((name.starts_with("volume_") || name.starts_with("surface_")) && name.ends_with(".vtu"))
+      fs::remove(entry.path(), ignored);
+  }
+}
+
+}  // namespace
+
+OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
+  make_folder(folder_);
+  remove_earlier_run(folder_);
+  probes_.open(folder_ / "probes.csv", std::ios::binary);
+  probes_ << "t,probe,x,y,z\n" << std::flush;
+  if (!probes_) throw Failure(fmt::format("{}: it cannot be written", (folder_ / "probes.csv").string()));
+}
+
+void OutputFolder::add_probes(double t, const Simulation& simulation, const std::vector<Index>& probes) {
+  for (std::size_t p = 0; p < probes.size(); ++p) {
+    const Vec3<double> x = simulation.position(probes[p]);
+    probes_ << fmt::format("{},{},{},{},{}\n", t, p, x[0], x[1], x[2]);
+  }
+  probes_ << std::flush;
+  if (!probes_) throw Failure(fmt::format("{}: writing failed", (folder_ / "probes.csv").string()));
+}
+
+std::string OutputFolder::next_frame_name(const char* series, const std::optional<PvdWriter>& list) const {
+  return fmt::format("{}/{}_{:06}.vtu", frames_folder, series, list->frame_count());
+}
+
+void OutputFolder::add_frame(double t, Simulation& simulation, const MeshData& mesh, const SurfaceMesh* surface) {
+  if (!volume_) {
+    make_folder(folder_ / frames_folder);
+    volume_ = require(PvdWriter::create(folder_ / "volume.pvd"));
+    if (surface != nullptr) surface_ = require(PvdWriter::create(folder_ / "surface.pvd"));
+  }
+  Field<double> positions, displacements, velocities;
+  for (Index v = 0; v < mesh.vertex_count(); ++v) {
+    positions.push_back(simulation.position(v));
+    displacements.push_back(simulation.displacement(v));
+    velocities.push_back(simulation.velocity(v));
+  }
+  VtuGrid grid{.points = positions,
+               .cells = vtu_cells(mesh),
+               .point_data = {{"displacement", displacements}, {"velocity", velocities}}};
+  if (!mesh.regions.empty()) grid.cell_data = {{"region", mesh.regions}};
+  std::string name = next_frame_name("volume", volume_);
+  require(write_vtu(folder_ / name, grid));
+  require(volume_->add_frame(t, name));
+  if (surface == nullptr) return;
+
+  const SurfaceState state = simulation.surface();
+  name = next_frame_name("surface", surface_);
+  require(
+      write_vtu(folder_ / name,
+                {.points = state.positions, .cells = vtu_cells(*surface), .point_data = {{"normal", state.normals}}}));
+  require(surface_->add_frame(t, name));
+}
+
+void OutputFolder::write_whole(const char* name, const std::string& bytes) const {
+  const fs::path path = folder_ / name, unfinished = folder_ / (std::string(name) + ".part");
+  require(write_file(unfinished, bytes));
+  std::error_code code;
+  fs::rename(unfinished, path, code);
+  if (code) throw Failure(fmt::format("{}: it cannot be written: {}", path.string(), code.message()));
+}
+
+void OutputFolder::write_final(const Simulation& simulation, Index vertices) {
+  std::string text;
+  for (Index v = 0; v < vertices; ++v) {
+    const Vec3<double> x = simulation.position(v);
+    fmt::format_to(std::back_inserter(text), "{:.17g} {:.17g} {:.17g}\n", x[0], x[1], x[2]);
+  }
+  write_whole("final.txt", text);
+}
+
+void OutputFolder::write_summary(const std::string& json) { write_whole("summary.json", json); }
+
+}  // namespace corotet::program

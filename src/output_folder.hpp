@@ -1,0 +1,45 @@
+// The files that a run leaves behind. docs/program.md describes them.
+#pragma once
+
+#include <corotet/core/types.hpp>
+#include <corotet/mesh/io/write_pvd.hpp>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "run_input.hpp"
+#include "simulation.hpp"
+
+namespace corotet::program {
+
+/// Each function throws a Failure that names the file if it cannot be written. Whatever is there is readable at any
+/// time, also after the program was stopped: probes come line by line, series list only frames that are complete, and
+/// final.txt and summary.json appear whole or not at all.
+class OutputFolder {
+ public:
+  /// Makes the folder, or takes an earlier run's files out of it.
+  explicit OutputFolder(std::filesystem::path folder);
+
+  /// One row for each probe: t (s), its number, its position (m).
+  void add_probes(double t, const Simulation& simulation, const std::vector<Index>& probes);
+
+  /// One .vtu of the volume and, if `surface` is there, one of it, listed in volume.pvd and surface.pvd.
+  void add_frame(double t, Simulation& simulation, const MeshData& mesh, const SurfaceMesh* surface);
+
+  void write_final(const Simulation& simulation, Index vertices);
+  void write_summary(const std::string& json);
+
+  [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
+
+ private:
+  void write_whole(const char* name, const std::string& bytes) const;
+  [[nodiscard]] std::string next_frame_name(const char* series, const std::optional<PvdWriter>& list) const;
+
+  std::filesystem::path folder_;
+  std::ofstream probes_;
+  std::optional<PvdWriter> volume_, surface_;
+};
+
+}  // namespace corotet::program

@@ -1,0 +1,47 @@
+// All that is wrong with an input, so that it can be said at once.
+#pragma once
+
+#include <corotet/core/result.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "failure.hpp"
+
+namespace corotet::program {
+
+class Problems {
+ public:
+  /// `source`: the file that they are about.
+  explicit Problems(std::string source) : source_(std::move(source)) {}
+
+  void add(const std::string& key, const std::string& reason) {
+    list_.push_back(key.empty() ? reason : key + ": " + reason);
+  }
+
+  /// The value of a library call, or nothing, after noting its error under `key`.
+  template <class T>
+  std::optional<T> take(const std::string& key, Result<T> result) {
+    if (result) return std::move(result).value();
+    add(key, result.error().message());
+    return std::nullopt;
+  }
+
+  [[nodiscard]] bool empty() const { return list_.empty(); }
+
+  /// Throws a Failure that lists the problems, if there are any.
+  void stop_if_any() const {
+    if (list_.empty()) return;
+    if (list_.size() == 1) throw Failure(source_ + ": " + list_.front());
+    std::string text = source_ + ": " + std::to_string(list_.size()) + " problems";
+    for (const std::string& problem : list_) text += "\n  " + problem;
+    throw Failure(text);
+  }
+
+ private:
+  std::string source_;
+  std::vector<std::string> list_;
+};
+
+}  // namespace corotet::program

@@ -1,0 +1,44 @@
+#include "progress.hpp"
+
+#include <fmt/core.h>
+
+#include <cstdio>
+#if defined(_WIN32)
+#include <io.h>
+#else
+#include <unistd.h>
+#endif
+
+namespace corotet::program {
+namespace {
+
+bool stderr_is_terminal() {
+#if defined(_WIN32)
+  return _isatty(_fileno(stderr)) != 0;
+#else
+  return isatty(STDERR_FILENO) != 0;
+#endif
+}
+
+}  // namespace
+
+Progress::Progress(int steps) : on_(stderr_is_terminal()), steps_(steps), start_(Clock::now()), last_(start_) {}
+
+Progress::~Progress() {
+  if (on_) fmt::print(stderr, "\r\033[K");  // clear the line
+}
+
+void Progress::show(int steps_done) {
+  const Clock::time_point now = Clock::now();
+  if (!on_ || now - last_ < std::chrono::milliseconds(100)) return;
+  last_ = now;
+  constexpr int width = 30;
+  const double part = static_cast<double>(steps_done) / steps_;
+  const auto filled = static_cast<std::size_t>(part * width);
+  const double left = std::chrono::duration<double>(now - start_).count() * (1 - part) / part;
+  fmt::print(stderr, "\r[{}{}] step {}/{}, {:.0f} s left\033[K", std::string(filled, '='),
+             std::string(width - filled, ' '), steps_done, steps_, left);
+  std::fflush(stderr);
+}
+
+}  // namespace corotet::program

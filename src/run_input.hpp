@@ -1,0 +1,37 @@
+// Everything that a scene's files hold, read and matched to the mesh.
+#pragma once
+
+#include <corotet/core/types.hpp>
+#include <corotet/mesh/mesh_data.hpp>
+#include <corotet/mesh/surface_mesh.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene.hpp"
+
+namespace corotet::program {
+
+/// The vertices of one entry of `pins`.
+struct PinnedVertices {
+  std::vector<Index> vertices;
+  std::vector<PathPoint> path;
+
+  /// Where they are at time t, relative to where they started: linear between the path's points, constant beyond its
+  /// ends, zero without a path.
+  [[nodiscard]] Vec3<double> displacement(double t) const;
+};
+
+struct RunInput {
+  MeshData mesh;  ///< with the order that it shall run with
+  std::vector<PinnedVertices> pins;
+  std::vector<Index> probes;  ///< vertices
+  std::optional<Field<double>> positions, velocities;
+  std::optional<SurfaceMesh> surface;
+  std::vector<std::string> notes;  ///< what was changed or left out while reading
+};
+
+/// Throws a Failure that lists all that is wrong with the files, and pins that hold no vertex.
+[[nodiscard]] RunInput read_input(const Scene& scene);
+
+}  // namespace corotet::program

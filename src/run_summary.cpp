@@ -1,0 +1,122 @@
+#include "run_summary.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <corotet/core/version.hpp>
+
+namespace corotet::program {
+namespace {
+
+/// The p-th percentile by nearest rank, 0 < p <= 100; null without samples.
+Json percentile(std::vector<double> samples, double p) {
+  if (samples.empty()) return nullptr;
+  const auto rank = static_cast<std::ptrdiff_t>(p / 100 * static_cast<double>(samples.size()) + 0.9999999);
+  const auto place = samples.begin() + std::max<std::ptrdiff_t>(rank, 1) - 1;
+  std::nth_element(samples.begin(), place, samples.end());
+  return *place;
+}
+
+const char* name_of(RotationKind rotation) {
+  switch (rotation) {
+    case RotationKind::identity:
+      return "identity";
+    case RotationKind::gram_schmidt:
+      return "gram_schmidt";
+    case RotationKind::polar:
+      break;
+  }
+  return "polar";
+}
+
+}  // namespace
+
+StepStatistics::StepStatistics(int steps) {
+  for (auto* samples : {&step_ms_, &assembly_ms_, &solve_ms_}) samples->reserve(at(steps));
+}
+
+void StepStatistics::add(const StepReport& report, const PhaseClock& clock, double cpu_s) {
+  if (!report.accepted()) {
+    ++refused_;
+    return;
+  }
+  step_ms_.push_back(clock.total_ms());
+  assembly_ms_.push_back(clock.assembly_ms());
+  solve_ms_.push_back(clock.solve_ms());
+  cpu_s_ += cpu_s;
+  iterations_ += report.iterations;
+  most_iterations_ = std::max(most_iterations_, report.iterations);
+  worst_residual_ = std::max(worst_residual_, report.residual);
+  ++accepted_;
+  if (report.converged) ++converged_;
+  if (report.inverted_elements > 0) ++inverted_;
+  most_inverted_ = std::max(most_inverted_, report.inverted_elements);
+  last_ = report;
+}
+
+double StepStatistics::median_step_ms() const {
+  const Json median = percentile(step_ms_, 50);
+  return median.is_null() ? 0 : median.get<double>();
+}
+
+void StepStatistics::write_to(Json& summary) const {
+  const auto mean = [&](double sum) { return accepted_ == 0 ? Json() : Json(sum / accepted_); };
+  summary["steps"] = accepted_;
+  summary["step_ms"] = {
+      {"median", percentile(step_ms_, 50)}, {"min", percentile(step_ms_, 1e-9)}, {"p99", percentile(step_ms_, 99)}};
+  summary["cpu_ms_per_step"] = mean(1000 * cpu_s_);
+  summary["assembly_ms"] = percentile(assembly_ms_, 50);
+  summary["solve_ms"] = percentile(solve_ms_, 50);
+  summary["iterations"] = {{"mean", mean(iterations_)}, {"max", most_iterations_}};
+  summary["residual"] = worst_residual_;
+  summary["inverted_elements"] = last_.inverted_elements;
+  summary["inverted_elements_max"] = most_inverted_;
+  summary["largest_rotation"] = last_.largest_rotation;
+  summary["largest_strain"] = last_.largest_strain;
+  summary["status"] = {{"converged", converged_},
+                       {"unconverged", accepted_ - converged_},
+                       {"with_inverted_elements", inverted_},
+                       {"refused", refused_}};
+}
+
+std::string format_summary(const Scene& scene, const RunInput& input, const RunFacts& facts,
+                           const StepStatistics& steps) {
+  Json summary;
+  summary["corotet"] = fmt::format("{}.{}.{}", COROTET_VERSION_MAJOR, COROTET_VERSION_MINOR, COROTET_VERSION_PATCH);
+  summary["scene"] = scene.file.string();
+  summary["completed"] = facts.stopped_because.empty();
+  if (!facts.stopped_because.empty()) summary["stopped_because"] = facts.stopped_because;
+  summary["vertices"] = facts.simulation.vertices;
+  summary["elements"] = facts.simulation.elements;
+  summary["pinned_vertices"] = facts.pinned_vertices;
+  summary["body_mass"] = facts.simulation.mass;
+  summary["order"] = input.mesh.nodes_per_element == 4 ? 1 : 2;
+  summary["scalar"] = scene.scalar == ScalarKind::single_precision ? "float" : "double";
+  summary["rotation"] = name_of(scene.rotation);
+  summary["rotation_site"] = scene.rotation_site == RotationSite::point ? "point" : "element";
+  summary["mass"] = scene.mass == MassModel::lumped ? "lumped" : "consistent";
+  summary["integrator"] = {{"name", "implicit_euler"}, {"dt", scene.dt}, {"newton", 1}};
+  summary["solver"] = {{"name", facts.simulation.solver}};
+  if (!facts.simulation.preconditioner.empty()) summary["solver"]["preconditioner"] = facts.simulation.preconditioner;
+  summary["solver"]["tolerance"] = scene.solver.tolerance;
+  summary["solver"]["max_iterations"] = scene.solver.max_iterations;
+  summary["threads"] = facts.threads;
+  summary["setup_ms"] = facts.setup_ms;
+  steps.write_to(summary);
+  summary["peak_rss_mb"] = facts.peak_rss_mb;
+  summary["spmv_us"] = facts.spmv_us;
+  if (facts.surface)
+    summary["surface"] = {{"vertices", input.surface->positions.size()},
+                          {"triangles", input.surface->triangles.size()},
+                          {"vertices_outside", facts.surface->outside},
+                          {"largest_distance", facts.surface->largest_distance}};
+  summary["probes"] = Json::array();
+  for (const Index v : input.probes) {
+    const Vec3<double>& x = input.mesh.positions[at(v)];
+    summary["probes"].push_back({{"vertex", v}, {"rest", {x[0], x[1], x[2]}}});
+  }
+  // Paths may hold any bytes; what is not UTF-8 is replaced rather than thrown at.
+  return summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace corotet::program

@@ -1,0 +1,151 @@
+#include "scene.hpp"
+
+#include <fmt/core.h>
+
+#include <corotet/core/types.hpp>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "json_file.hpp"
+#include "object_reader.hpp"
+#include "problems.hpp"
+
+namespace corotet::program {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A path relative to the scene's folder, which must name a file (or a pipe) that is there.
+std::optional<fs::path> read_path(ObjectReader& in, const char* key, const fs::path& folder) {
+  std::string text;
+  if (!in.text(key, text)) return std::nullopt;
+  if (text.empty()) {
+    in.problems().add(in.path_of(key), "must name a file");
+    return std::nullopt;
+  }
+  fs::path path = folder / text;
+  std::error_code code;
+  if (!fs::exists(path, code)) {
+    in.problems().add(in.path_of(key), fmt::format("there is no file {}", path.string()));
+    return std::nullopt;
+  }
+  return path;
+}
+
+std::vector<PathPoint> read_pin_path(ObjectReader& in) {
+  std::vector<PathPoint> path;
+  in.list("path", [&](const Json& entry, const std::string& where) {
+    const auto numbers = read_numbers(entry, 4, where, in.problems());
+    if (!numbers) return;
+    if (!path.empty() && (*numbers)[0] <= path.back().time)
+      in.problems().add(where, fmt::format("times must ascend, {} follows {}", (*numbers)[0], path.back().time));
+    path.push_back({(*numbers)[0], Eigen::Map<const Vec3<double>>(numbers->data() + 1)});
+  });
+  return path;
+}
+
+void read_pin(const Json& value, const std::string& path, Problems& problems, std::vector<PinBox>& pins) {
+  ObjectReader in(value, path, problems);
+  std::vector<Vec3<double>> corners;
+  in.list("box", [&](const Json& corner, const std::string& where) {
+    if (const auto numbers = read_numbers(corner, 3, where, problems))
+      corners.emplace_back(Eigen::Map<const Vec3<double>>(numbers->data()));
+  });
+  PinBox pin;
+  pin.path = read_pin_path(in);
+  if (corners.size() == 2) {
+    pin.least = corners[0];
+    pin.most = corners[1];
+    if ((pin.least.array() > pin.most.array()).any())
+      problems.add(in.path_of("box"), "its first corner must not lie above its second along any axis");
+    pins.push_back(std::move(pin));
+  } else if (!value.is_object() || !value.contains("box")) {
+    problems.add(in.path_of("box"), "is missing: [[x, y, z], [x, y, z]], the least and the greatest corner");
+  } else if (value["box"].is_array() && value["box"].size() != 2) {
+    problems.add(in.path_of("box"), "must be two corners: [[x, y, z], [x, y, z]]");
+  }
+  in.refuse_others();
+}
+
+void read_probe(const Json& value, const std::string& path, Problems& problems, std::vector<Vec3<double>>& probes) {
+  ObjectReader in(value, path, problems);
+  Vec3<double> point = Vec3<double>::Zero();
+  if (value.is_object() && !in.has("nearest")) problems.add(in.path_of("nearest"), "is missing: [x, y, z]");
+  in.vector("nearest", point);
+  in.refuse_others();
+  probes.push_back(point);
+}
+
+void read_integrator(ObjectReader& in, Scene& scene) {
+  int name = 0, newton = 1;
+  in.choice<int>("name", name, {{"implicit_euler", 0}});
+  in.number("dt", scene.dt, Range::above(0));
+  in.integer("newton", newton, 1);
+  if (newton > 1)
+    in.problems().add(in.path_of("newton"),
+                      fmt::format("{} solves a step are not in this version, which has: 1", newton));
+}
+
+void read_solver(ObjectReader& in, SolverOptions& solver) {
+  in.choice("name", solver.method,
+            {{"auto", SolverMethod::automatic}, {"pcg", SolverMethod::pcg}, {"cholesky", SolverMethod::cholesky}},
+            {"cholmod"});
+  in.choice("preconditioner", solver.preconditioner,
+            {{"auto", PreconditionerKind::automatic},
+             {"jacobi", PreconditionerKind::jacobi},
+             {"block_jacobi", PreconditionerKind::block_jacobi}},
+            {"rigid_aggregates", "ic0", "warped_cholesky"});
+  in.number("tolerance", solver.tolerance, Range::between(0, 1));
+  in.integer("max_iterations", solver.max_iterations, 1);
+}
+
+}  // namespace
+
+Scene read_scene(const fs::path& path) {
+  const Json json = read_json(path);
+  const fs::path folder = path.parent_path();
+  Problems problems(path.string());
+  Scene scene;
+  scene.file = path;
+
+  ObjectReader in(json, "", problems);
+  if (json.is_object() && !in.has("mesh")) problems.add("mesh", "is missing; every scene needs one");
+  scene.mesh = read_path(in, "mesh", folder).value_or("");
+  in.integer("order", scene.order, 1, 2);
+  in.choice("scalar", scene.scalar,
+            {{"float", ScalarKind::single_precision}, {"double", ScalarKind::double_precision}});
+  in.object("material", [&](ObjectReader& material) {
+    material.number("young", scene.material.young, Range::above(0));
+    material.number("poisson", scene.material.poisson, Range::between(-1, 0.5));
+    material.number("density", scene.material.density, Range::above(0));
+  });
+  in.object("damping", [&](ObjectReader& damping) {
+    damping.number("mass", scene.damping.mass, Range::from(0));
+    damping.number("stiffness", scene.damping.stiffness, Range::from(0));
+  });
+  in.list("pins", [&](const Json& pin, const std::string& where) { read_pin(pin, where, problems, scene.pins); });
+  in.vector("gravity", scene.gravity);
+  in.choice("mass", scene.mass, {{"lumped", MassModel::lumped}, {"consistent", MassModel::consistent}});
+  in.choice("rotation", scene.rotation,
+            {{"identity", RotationKind::identity},
+             {"gram_schmidt", RotationKind::gram_schmidt},
+             {"polar", RotationKind::polar}});
+  in.choice("rotation_site", scene.rotation_site, {{"point", RotationSite::point}, {"element", RotationSite::element}});
+  in.object("integrator", [&](ObjectReader& integrator) { read_integrator(integrator, scene); });
+  in.object("solver", [&](ObjectReader& solver) { read_solver(solver, scene.solver); });
+  in.object("initial", [&](ObjectReader& initial) {
+    scene.initial_positions = read_path(initial, "positions", folder);
+    scene.initial_velocities = read_path(initial, "velocities", folder);
+  });
+  scene.surface = read_path(in, "surface", folder);
+  in.list("probes",
+          [&](const Json& probe, const std::string& where) { read_probe(probe, where, problems, scene.probes); });
+  in.integer("steps", scene.steps, 0);
+  in.object("frames", [&](ObjectReader& frames) { frames.integer("every", scene.frames_every, 0); });
+  in.refuse_others();
+  problems.stop_if_any();
+  return scene;
+}
+
+}  // namespace corotet::program

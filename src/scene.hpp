@@ -1,0 +1,56 @@
+// What `corotet run` simulates: the scene file as a struct, with its defaults. docs/scene.md describes the keys.
+#pragma once
+
+#include <corotet/assembly/mass.hpp>
+#include <corotet/core/types.hpp>
+#include <corotet/material/material.hpp>
+#include <corotet/solve/auto_solver.hpp>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+namespace corotet::program {
+
+enum class ScalarKind { single_precision, double_precision };
+enum class RotationKind { identity, gram_schmidt, polar };
+enum class RotationSite { point, element };
+
+/// A displacement at a time; linear in between.
+struct PathPoint {
+  double time;                ///< s
+  Vec3<double> displacement;  ///< m
+};
+
+/// Vertices whose rest position lies in a box (its faces included) are held, or led along a path.
+struct PinBox {
+  Vec3<double> least, most;     ///< m
+  std::vector<PathPoint> path;  ///< times ascending; empty: held
+};
+
+struct Scene {
+  std::filesystem::path file;  ///< where it was read from
+
+  std::filesystem::path mesh;
+  int order = 0;  ///< 1 or 2; 0: the mesh file's
+  ScalarKind scalar = ScalarKind::single_precision;
+  Material material{5e5, 0.3, 1000};
+  RayleighDamping damping;
+  std::vector<PinBox> pins;
+  Vec3<double> gravity{0, 0, -9.81};  ///< m/s^2
+  MassModel mass = MassModel::lumped;
+  RotationKind rotation = RotationKind::polar;
+  RotationSite rotation_site = RotationSite::point;
+  double dt = 1.0 / 60;  ///< s
+  SolverOptions solver;
+  std::optional<std::filesystem::path> initial_positions, initial_velocities;
+  std::optional<std::filesystem::path> surface;
+  std::vector<Vec3<double>> probes;  ///< each names the vertex nearest to it at rest
+  int steps = 60;
+  int frames_every = 0;  ///< 0: no frames
+};
+
+/// Reads and checks a scene. Throws a Failure that lists every problem by its key: unknown keys, wrong types, values
+/// out of range, files that are not there. Paths come out relative to the working directory.
+[[nodiscard]] Scene read_scene(const std::filesystem::path& path);
+
+}  // namespace corotet::program

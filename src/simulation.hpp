@@ -1,0 +1,81 @@
+// A running simulation behind one interface: the choices that a scene makes at run time (scalar, element, rotation)
+// around the library's types, which are chosen at compile time.
+#pragma once
+
+#include <corotet/core/result.hpp>
+#include <corotet/core/types.hpp>
+#include <corotet/dynamics/step_report.hpp>
+#include <corotet/mesh/mesh_data.hpp>
+#include <corotet/mesh/surface_mesh.hpp>
+#include <memory>
+#include <string>
+
+#include "phase_clock.hpp"
+#include "scene.hpp"
+#include "thread_pool.hpp"
+
+namespace corotet::program {
+
+/// What a simulation says of itself before the first step.
+struct SimulationFacts {
+  Index vertices = 0;
+  Index elements = 0;
+  Index flipped_elements = 0;  ///< wound the other way round in the file
+  Vec3<double> origin;         ///< what positions are kept relative to, m
+  double mass = 0;             ///< kg
+  std::string solver;          ///< what "auto" came to: pcg, cholesky
+  std::string preconditioner;  ///< the same; empty for cholesky
+};
+
+/// How an embedded surface lies in the mesh.
+struct BindingFacts {
+  Index outside = 0;            ///< vertices outside the mesh
+  double largest_distance = 0;  ///< of those, m
+};
+
+/// A surface as it is now, in world coordinates.
+struct SurfaceState {
+  Field<double> positions;  ///< m
+  Field<double> normals;    ///< unit
+};
+
+/// All positions are world positions in m, displacements are from rest.
+class Simulation {
+ public:
+  Simulation() = default;
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+  virtual ~Simulation() = default;
+
+  [[nodiscard]] virtual SimulationFacts facts() const = 0;
+
+  /// Replaces the state; one entry a vertex.
+  virtual Status set_positions(const Field<double>& positions) = 0;
+  virtual Status set_velocities(const Field<double>& velocities) = 0;
+
+  /// Holds a vertex where it is now.
+  virtual void pin(Index vertex) = 0;
+  /// Where a pinned vertex shall be after the next step, relative to where it was pinned.
+  virtual void move_pin(Index vertex, const Vec3<double>& displacement) = 0;
+
+  /// Advances by `h` s; tells `clock` of the step's phases.
+  virtual StepReport step(double h, ThreadPool& pool, PhaseClock& clock) = 0;
+
+  [[nodiscard]] virtual Vec3<double> position(Index vertex) const = 0;
+  [[nodiscard]] virtual Vec3<double> displacement(Index vertex) const = 0;
+  [[nodiscard]] virtual Vec3<double> velocity(Index vertex) const = 0;
+
+  /// Binds a surface to the rest shape; it moves along from then on.
+  virtual Result<BindingFacts> bind(const SurfaceMesh& surface, ThreadPool& pool) = 0;
+  [[nodiscard]] virtual SurfaceState surface() = 0;
+
+  /// Median time of one product of the step's matrix, in float, with a vector, on one thread: the yardstick for a step
+  /// on this mesh and machine, us.
+  [[nodiscard]] virtual double measure_spmv_us() const = 0;
+};
+
+/// The body of the scene at rest in the rest shape of `mesh`, which has the order it shall run with; gravity and
+/// damping are set, pins are not. Throws a Failure that names the element or vertex if no body can be made of it.
+[[nodiscard]] std::unique_ptr<Simulation> make_simulation(const Scene& scene, const MeshData& mesh);
+
+}  // namespace corotet::program

@@ -1,0 +1,185 @@
+// The simulation of one scalar, element and rotation. Included by the four files that instantiate it.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <corotet/assembly/assemble.hpp>
+#include <corotet/assembly/block_matrix.hpp>
+#include <corotet/core/executor.hpp>
+#include <corotet/dynamics/implicit_euler.hpp>
+#include <corotet/dynamics/soft_body.hpp>
+#include <corotet/embed/embedded_surface.hpp>
+#include <corotet/mesh/tet_mesh.hpp>
+#include <corotet/rotation/gram_schmidt.hpp>
+#include <corotet/rotation/identity.hpp>
+#include <corotet/rotation/per_element.hpp>
+#include <corotet/rotation/polar.hpp>
+#include <memory>
+#include <optional>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "failure.hpp"
+#include "local_origin.hpp"
+#include "simulation.hpp"
+
+namespace corotet::program {
+
+template <class Scalar, class Element, class Rotation>
+class TypedSimulation final : public Simulation {
+ public:
+  using Body = SoftBody<Scalar, Element, Rotation>;
+
+  TypedSimulation(const Scene& scene, const MeshData& mesh)
+      : body_(make_body(scene, mesh)), integrator_(body_, scene.solver), dt_(static_cast<Scalar>(scene.dt)) {
+    body_.set_gravity(scene.gravity.cast<Scalar>());
+  }
+
+  [[nodiscard]] SimulationFacts facts() const override {
+    SimulationFacts facts;
+    facts.vertices = body_.vertex_count();
+    facts.elements = body_.mesh().element_count();
+    facts.flipped_elements = body_.mesh().flipped_elements();
+    facts.origin = body_.mesh().origin();
+    facts.mass = body_.mass().total();
+    const AutoSolver<Scalar>& solver = integrator_.solver();
+    facts.solver = solver.method() == SolverMethod::cholesky ? "cholesky" : "pcg";
+    if (solver.method() != SolverMethod::cholesky)
+      facts.preconditioner = solver.preconditioner() == PreconditionerKind::jacobi ? "jacobi" : "block_jacobi";
+    return facts;
+  }
+
+  Status set_positions(const Field<double>& positions) override {
+    Field<Scalar> displacements(positions.size());
+    for (Index v = 0; v < size_of(positions); ++v)
+      displacements[at(v)] = (positions[at(v)] - rest(v)).template cast<Scalar>();
+    return body_.set_displacements(displacements);
+  }
+
+  Status set_velocities(const Field<double>& velocities) override {
+    Field<Scalar> rounded;
+    rounded.reserve(velocities.size());
+    for (const Vec3<double>& v : velocities) rounded.push_back(v.template cast<Scalar>());
+    return body_.set_velocities(rounded);
+  }
+
+  void pin(Index vertex) override {
+    const Vec3<Scalar>& here = body_.displacements()[at(vertex)];
+    body_.pins().pin(vertex, here);
+    pinned_at_.resize(at(body_.vertex_count()));
+    pinned_at_[at(vertex)] = here;
+  }
+
+  void move_pin(Index vertex, const Vec3<double>& displacement) override {
+    body_.pins().move(vertex, pinned_at_[at(vertex)] + displacement.cast<Scalar>());
+  }
+
+  StepReport step(double h, ThreadPool& pool, PhaseClock& clock) override {
+    return integrator_.step(body_, static_cast<Scalar>(h), pool, clock);
+  }
+
+  [[nodiscard]] Vec3<double> position(Index vertex) const override { return rest(vertex) + displacement(vertex); }
+  [[nodiscard]] Vec3<double> displacement(Index vertex) const override {
+    return body_.displacements()[at(vertex)].template cast<double>();
+  }
+  [[nodiscard]] Vec3<double> velocity(Index vertex) const override {
+    return body_.velocities()[at(vertex)].template cast<double>();
+  }
+
+  Result<BindingFacts> bind(const SurfaceMesh& surface, ThreadPool& pool) override {
+    const auto executor = [&pool](Index count, auto&& task) { pool(count, task); };
+    auto bound = EmbeddedSurface<Scalar, Element>::bind(body_.mesh(), surface, executor);
+    if (!bound) return bound.error();
+    surface_ = std::move(bound).value();
+    return BindingFacts{surface_->outside_count(), surface_->largest_distance()};
+  }
+
+  [[nodiscard]] SurfaceState surface() override {
+    const std::size_t count = at(surface_->vertex_count());
+    Field<Scalar> positions(count), normals(count);
+    surface_->positions(body_.displacements(), positions);
+    surface_->normals(body_.displacements(), normals);
+    SurfaceState state{Field<double>(count), Field<double>(count)};
+    for (std::size_t v = 0; v < count; ++v) {
+      state.positions[v] = positions[v].template cast<double>() + body_.mesh().origin();
+      state.normals[v] = normals[v].template cast<double>();
+    }
+    return state;
+  }
+
+  [[nodiscard]] double measure_spmv_us() const override {
+    using Clock = std::chrono::steady_clock;
+    const BlockMatrix<float> matrix = step_matrix();
+    SerialExecutor serial;
+    Field<float> x(at(matrix.rows()), Vec3<float>::Ones()), y(x);
+    std::vector<double> samples;
+    const Clock::time_point start = Clock::now();
+    while (samples.size() < 11 || (samples.size() < 1001 && Clock::now() - start < std::chrono::milliseconds(50))) {
+      const Clock::time_point begin = Clock::now();
+      matrix.apply(x, y, serial);
+      samples.push_back(std::chrono::duration<double, std::micro>(Clock::now() - begin).count());
+      x.front()[0] = y.front()[0] > 0 ? 1.0F : 0.5F;  // each product needs the one before it: none can be left out
+    }
+    const auto median = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
+    std::nth_element(samples.begin(), median, samples.end());
+    return *median;
+  }
+
+ private:
+  static Body make_body(const Scene& scene, const MeshData& mesh) {
+    auto checked = require(TetMesh<Scalar, Element>::create(mesh, local_origin<Scalar>(mesh)));
+    return require(Body::create(std::move(checked), scene.material, {scene.mass, scene.damping}));
+  }
+
+  [[nodiscard]] Vec3<double> rest(Index vertex) const {
+    return body_.mesh().origin() + body_.mesh().position(vertex).template cast<double>();
+  }
+
+  /// M + h^2 K' of the present state.
+  [[nodiscard]] BlockMatrix<float> step_matrix() const {
+    SerialExecutor serial;
+    typename Body::Law::Evaluation state(body_.law());
+    body_.law().evaluate(body_.displacements(), state, serial);
+    BlockMatrix<Scalar> matrix(body_.pattern());
+    assemble(body_.law(), state, body_.mass(), Scalar(1), dt_ * dt_, matrix, serial);
+    if constexpr (std::is_same_v<Scalar, float>) {
+      return matrix;
+    } else {
+      BlockMatrix<float> rounded(body_.pattern());
+      for (Index slot = 0; slot < body_.pattern()->blocks(); ++slot)
+        rounded.block(slot) = matrix.block(slot).template cast<float>();
+      return rounded;
+    }
+  }
+
+  Body body_;
+  ImplicitEuler<Body> integrator_;
+  Scalar dt_;
+  Field<Scalar> pinned_at_;
+  std::optional<EmbeddedSurface<Scalar, Element>> surface_;
+};
+
+/// The rotation that the scene names.
+template <class Scalar, class Element>
+std::unique_ptr<Simulation> make_typed_simulation(const Scene& scene, const MeshData& mesh) {
+  const auto make = [&]<class Rotation>() -> std::unique_ptr<Simulation> {
+    return std::make_unique<TypedSimulation<Scalar, Element, Rotation>>(scene, mesh);
+  };
+  // A 4-node element has one point: both sites are the same there. So are they for the identity.
+  const bool per_element = Element::order > 1 && scene.rotation_site == RotationSite::element;
+  if (scene.rotation == RotationKind::identity) return make.template operator()<Identity>();
+  if constexpr (Element::order > 1) {
+    if (per_element && scene.rotation == RotationKind::polar) return make.template operator()<PerElement<Polar>>();
+    if (per_element) return make.template operator()<PerElement<GramSchmidt>>();
+  }
+  if (scene.rotation == RotationKind::gram_schmidt) return make.template operator()<GramSchmidt>();
+  return make.template operator()<Polar>();
+}
+
+extern template std::unique_ptr<Simulation> make_typed_simulation<float, Tet4>(const Scene&, const MeshData&);
+extern template std::unique_ptr<Simulation> make_typed_simulation<float, Tet10>(const Scene&, const MeshData&);
+extern template std::unique_ptr<Simulation> make_typed_simulation<double, Tet4>(const Scene&, const MeshData&);
+extern template std::unique_ptr<Simulation> make_typed_simulation<double, Tet10>(const Scene&, const MeshData&);
+
+}  // namespace corotet::program
