@@ -1,0 +1,186 @@
+// Bad input: each row must be refused by name, with nothing left behind.
+#include <string>
+#include <vector>
+
+#include "program_runner.hpp"
+
+namespace {
+
+using corotet::testing::Outcome;
+using corotet::testing::ProgramTest;
+
+class SceneErrors : public ProgramTest {
+ protected:
+  SceneErrors() { must("mesh beam --cells 2 1 1 -o beam.msh"); }
+
+  void expect_refusal(const std::string& scene, const std::string& expected) {
+    write("scene.json", scene);
+    const Outcome outcome = corotet("run scene.json -o out");
+    EXPECT_EQ(outcome.exit_code, 1) << scene;
+    EXPECT_NE(outcome.err.find(expected), std::string::npos) << scene << "\n" << outcome.err;
+    EXPECT_NE(outcome.err.find("scene.json"), std::string::npos) << "the file is not named\n" << outcome.err;
+    EXPECT_FALSE(exists("out")) << scene;
+  }
+};
+
+struct Row {
+  const char* member;  // beside "mesh"
+  const char* error;
+};
+
+TEST_F(SceneErrors, EachIsNamedByItsKeyAndNothingIsWritten) {
+  const std::vector<Row> rows{
+      {R"("colour": "red")", "colour: unknown key"},
+      {R"("order": 3)", "order: must be >= 1 and <= 2, is 3"},
+      {R"("order": 1.5)", "order: must be an integer"},
+      {R"("order": "one")", "order: must be an integer"},
+      {R"("order": 1e99)", "order: must be"},
+      {R"("scalar": "half")", "scalar: must be one of: float, double"},
+      {R"("scalar": 32)", "scalar: must be one of"},
+      {R"("material": 5)", "material: must be an object"},
+      {R"("material": {"young": 0})", "material.young: must be > 0, is 0"},
+      {R"("material": {"young": "5e5"})", "material.young: must be a number"},
+      {R"("material": {"young": -5e5})", "material.young: must be > 0"},
+      {R"("material": {"poisson": 0.5})", "material.poisson: must be > -1 and < 0.5, is 0.5"},
+      {R"("material": {"poisson": -1})", "material.poisson: must be"},
+      {R"("material": {"density": 0})", "material.density: must be > 0"},
+      {R"("material": {"colour": 1})", "material.colour: unknown key"},
+      {R"("damping": {"mass": -1})", "damping.mass: must be >= 0"},
+      {R"("damping": {"stiffness": -1})", "damping.stiffness: must be >= 0"},
+      {R"("damping": {"air": 1})", "damping.air: unknown key"},
+      {R"("pins": {"box": []})", "pins: must be a list"},
+      {R"("pins": [5])", "pins[0]: must be an object"},
+      {R"("pins": [{}])", "pins[0].box: is missing"},
+      {R"("pins": [{"box": 5}])", "pins[0].box: must be a list"},
+      {R"("pins": [{"box": [[0,0,0]]}])", "pins[0].box: must be two corners"},
+      {R"("pins": [{"box": [[0,0,0],[1,1]]}])", "pins[0].box[1]: must be a list of 3 numbers"},
+      {R"("pins": [{"box": [[0,0,0],[1,1,"x"]]}])", "pins[0].box[1]: must be a list of 3 numbers"},
+      {R"("pins": [{"box": [[1,0,0],[0,1,1]]}])", "pins[0].box: its first corner"},
+      {R"("pins": [{"box": [[0,0,0],[1,1,1]], "name": "a"}])", "pins[0].name: unknown key"},
+      {R"("pins": [{"box": [[0,0,0],[0,1,1]]}, {"box": [[5,5,5],[6,6,6]]}])", "pins[1].box: no vertex lies in it"},
+      {R"("pins": [{"box": [[0,0,0],[0,1,1]], "path": [[0,0,0]]}])", "pins[0].path[0]: must be a list of 4 numbers"},
+      {R"("pins": [{"box": [[0,0,0],[0,1,1]], "path": [[1,0,0,0],[1,0,0,0]]}])", "pins[0].path[1]: times must ascend"},
+      {R"("gravity": -9.81)", "gravity: must be a list of 3 numbers"},
+      {R"("gravity": [0, 0])", "gravity: must be a list of 3 numbers"},
+      {R"("gravity": [0, 0, null])", "gravity: must be a list of 3 numbers"},
+      {R"("mass": "heavy")", "mass: must be one of: lumped, consistent"},
+      {R"("rotation": "qr")", "rotation: must be one of: identity, gram_schmidt, polar"},
+      {R"("rotation_site": "vertex")", "rotation_site: must be one of: point, element"},
+      {R"("integrator": {"name": "bdf2"})", "integrator.name: must be one of: implicit_euler"},
+      {R"("integrator": {"dt": 0})", "integrator.dt: must be > 0"},
+      {R"("integrator": {"dt": -0.01})", "integrator.dt: must be > 0"},
+      {R"("integrator": {"newton": 0})", "integrator.newton: must be >= 1"},
+      {R"("integrator": {"newton": 4})", "integrator.newton: 4 solves a step are not in this version, which has: 1"},
+      {R"("integrator": {"step": 1})", "integrator.step: unknown key"},
+      {R"("solver": {"name": "cholmod"})", "solver.name: \"cholmod\" is not in this version, which has: auto, pcg"},
+      {R"("solver": {"name": "lu"})", "solver.name: must be one of: auto, pcg, cholesky"},
+      {R"("solver": {"preconditioner": "ic0"})", "solver.preconditioner: \"ic0\" is not in this version"},
+      {R"("solver": {"preconditioner": "rigid_aggregates"})", "solver.preconditioner: \"rigid_aggregates\" is not in"},
+      {R"("solver": {"preconditioner": "warped_cholesky"})", "solver.preconditioner: \"warped_cholesky\" is not in"},
+      {R"("solver": {"tolerance": -1})", "solver.tolerance: must be > 0 and < 1, is -1"},
+      {R"("solver": {"tolerance": 0})", "solver.tolerance: must be > 0"},
+      {R"("solver": {"max_iterations": 0})", "solver.max_iterations: must be >= 1"},
+      {R"("solver": {"max_iterations": 3000000000})", "solver.max_iterations: must be <= 2147483647"},
+      {R"("initial": {"positions": "nowhere.txt"})", "initial.positions: there is no file"},
+      {R"("initial": {"positions": "short.txt"})", "initial.positions: short.txt: it has 1 lines of numbers"},
+      {R"("initial": {"velocities": "ragged.txt"})", "initial.velocities: ragged.txt:2"},
+      {R"("initial": {"velocities": "words.txt"})", "initial.velocities: words.txt:1"},
+      {R"("initial": {"velocity": "words.txt"})", "initial.velocity: unknown key"},
+      {R"("surface": "nowhere.obj")", "surface: there is no file"},
+      {R"("surface": "words.txt")", "surface: words.txt"},
+      {R"("surface": "")", "surface: must name a file"},
+      {R"("surface": 5)", "surface: must be text"},
+      {R"("probes": [{"farthest": [0,0,0]}])", "probes[0].farthest: unknown key"},
+      {R"("probes": [{}])", "probes[0].nearest: is missing"},
+      {R"("probes": [{"nearest": [0,0]}])", "probes[0].nearest: must be a list of 3 numbers"},
+      {R"("steps": -1)", "steps: must be >= 0, is -1"},
+      {R"("steps": 0.5)", "steps: must be an integer"},
+      {R"("frames": {"every": -1})", "frames.every: must be >= 0"},
+      {R"("frames": 1)", "frames: must be an object"},
+      {R"("frames": {"each": 1})", "frames.each: unknown key"},
+      {R"("mesh": "beam.msh")", "the key \"mesh\" stands twice"},
+      {R"("steps": 1e999)", "JSON"},
+  };
+  write("short.txt", "0 0 0\n");
+  write("ragged.txt", "0 0 0\n0 0\n");
+  write("words.txt", "up up away\n");
+  for (const Row& row : rows) expect_refusal(std::string(R"({"mesh": "beam.msh", )") + row.member + "}", row.error);
+}
+
+TEST_F(SceneErrors, OfTheMeshItself) {
+  write("bad.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 2\n");
+  write("note.txt", "this is no mesh\n");
+  expect_refusal(R"({})", "mesh: is missing");
+  expect_refusal(R"({"mesh": "nowhere.msh"})", "mesh: there is no file nowhere.msh");
+  expect_refusal(R"({"mesh": 5})", "mesh: must be text");
+  expect_refusal(R"({"mesh": "bad.msh"})", "mesh: bad.msh:");
+  expect_refusal(R"({"mesh": "note.txt"})", "mesh: note.txt: its content is none of");
+  expect_refusal(R"({"mesh": "."})", "it is a directory");
+}
+
+TEST_F(SceneErrors, MalformedJsonIsNamedByItsLine) {
+  expect_refusal("", "scene.json:1: not JSON");
+  expect_refusal("[]", "must be an object, is a list");
+  expect_refusal("{\n\"mesh\": \"beam.msh\",\n\"steps\": 6O\n}\n", "scene.json:3: not JSON");
+  expect_refusal("{\n\"mesh\": \"beam.msh\",\n}\n", "scene.json:3: not JSON");
+  expect_refusal("{\"mesh\": \"beam.msh\"", "scene.json:1: not JSON");
+}
+
+TEST_F(SceneErrors, AllAreListedAtOnce) {
+  write("scene.json", R"({"mesh": "nowhere.msh", "steps": -1, "solver": {"tolerance": 2, "nme": 1}, "probes": 5})");
+  const Outcome outcome = corotet("run scene.json -o out");
+  EXPECT_EQ(outcome.exit_code, 1);
+  for (const char* expected : {"5 problems", "mesh: there is no file", "steps: must be", "solver.tolerance: must be",
+                               "solver.nme: unknown key", "probes: must be a list"})
+    EXPECT_NE(outcome.err.find(expected), std::string::npos) << expected << "\n" << outcome.err;
+}
+
+// Where earlier results are, a scene that cannot run leaves them alone.
+TEST_F(SceneErrors, LeaveEarlierResultsAlone) {
+  write("good.json", R"({"mesh": "beam.msh", "steps": 1})");
+  must("run good.json -o out");
+  const std::string before = read("out/final.txt") + read("out/summary.json");
+  ASSERT_FALSE(before.empty());
+  write("bad.json", R"({"mesh": "beam.msh", "steps": -1})");
+  EXPECT_EQ(corotet("run bad.json -o out").exit_code, 1);
+  EXPECT_EQ(read("out/final.txt") + read("out/summary.json"), before);
+}
+
+TEST_F(SceneErrors, OfTheCommandLine) {
+  write("good.json", R"({"mesh": "beam.msh", "steps": 1})");
+  write("file", "");
+  const std::vector<std::pair<const char*, int>> rows{
+      {"", 2},
+      {"dance", 2},
+      {"run", 2},
+      {"run good.json", 2},
+      {"run good.json -o out --threads 0", 2},
+      {"run good.json -o out --threads two", 2},
+      {"run good.json -o out --steps -3", 2},
+      {"run nowhere.json -o out", 1},
+      {"run good.json -o file", 1},
+      {"run good.json -o file/out", 1},
+      {"mesh", 2},
+      {"mesh sphere -o a.msh", 2},
+      {"mesh beam", 2},
+      {"mesh -o a.msh", 1},
+      {"mesh beam --cells 0 1 1 -o a.msh", 1},
+      {"mesh beam --cells 2 1 -o a.msh", 2},
+      {"mesh beam --size 1 0 1 -o a.msh", 1},
+      {"mesh beam --order 3 -o a.msh", 2},
+      {"mesh beam --from beam.msh -o a.msh", 2},
+      {"mesh beam -o a.stl", 1},
+      {"mesh beam -o nowhere/a.msh", 1},
+      {"mesh --from nowhere.msh -o a.msh", 1},
+      {"check", 2},
+      {"check nowhere.msh", 1},
+  };
+  for (const auto& [arguments, exit_code] : rows) {
+    const Outcome outcome = corotet(arguments);
+    EXPECT_EQ(outcome.exit_code, exit_code) << arguments;
+    EXPECT_FALSE(outcome.err.empty()) << arguments;
+    EXPECT_FALSE(exists("out") || exists("a.msh") || exists("a.stl")) << arguments;
+  }
+}
+
+}  // namespace
