@@ -4,11 +4,13 @@
 #include <array>
 #include <corotet/mesh/boundary.hpp>
 #include <corotet/mesh/io/read_mesh.hpp>
+#include <corotet/mesh/io/read_surface.hpp>
 #include <corotet/mesh/io/write_msh.hpp>
 #include <corotet/mesh/io/write_obj.hpp>
 #include <corotet/mesh/io/write_vtu.hpp>
 #include <corotet/mesh/make_block.hpp>
 #include <corotet/mesh/raise_order.hpp>
+#include <corotet/mesh/stuffing/isosurface_stuffing.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -32,6 +34,8 @@ struct MeshCommandOptions {
   std::string split = "alternating5";
   int order = 0;
   std::string from;
+  std::string stuff;
+  double cell = 0;  // m
   bool clean = false;
   std::string output;
   std::string msh_version = "4.1";
@@ -56,7 +60,24 @@ MeshData convert(const MeshCommandOptions& options) {
   if (options.clean) mesh = remove_unreferenced(std::move(mesh));
   if (options.order == 1) mesh = lower_order(std::move(mesh));
   if (options.order == 2) mesh = raise_order(std::move(mesh));
-  for (const std::string& note : mesh.notes) fmt::print(stderr, "{}: {}\n", options.from, note);
+  return mesh;
+}
+
+MeshData stuff(const MeshCommandOptions& options) {
+  const SurfaceMesh surface = require(read_surface(options.stuff));
+  Result<MeshData> stuffed = stuff_surface(surface, {.size = options.cell});
+  if (!stuffed) throw Failure(fmt::format("{}: {}", options.stuff, stuffed.error().message()));
+  MeshData mesh = std::move(stuffed).value();
+  mesh.notes.insert(mesh.notes.begin(), surface.notes.begin(), surface.notes.end());
+  return options.order == 2 ? raise_order(std::move(mesh)) : mesh;
+}
+
+/// Makes the one of the three that was asked for.
+MeshData make(const MeshCommandOptions& options) {
+  if (!options.shape.empty()) return make_shape(options);
+  MeshData mesh = options.stuff.empty() ? convert(options) : stuff(options);
+  const std::string& source = options.stuff.empty() ? options.from : options.stuff;
+  for (const std::string& note : mesh.notes) fmt::print(stderr, "corotet: note: {}: {}\n", source, note);
   return mesh;
 }
 
@@ -103,7 +124,7 @@ void write(const MeshCommandOptions& options, const MeshData& mesh) {
 
 Command add_mesh_command(CLI::App& app) {
   auto options = std::make_shared<MeshCommandOptions>();
-  CLI::App* syntax = app.add_subcommand("mesh", "Make a beam or a block, or convert a mesh");
+  CLI::App* syntax = app.add_subcommand("mesh", "Make a beam or a block, fill a surface, or convert a mesh");
   const auto shape =
       syntax
           ->add_option("shape", options->shape,
@@ -114,6 +135,14 @@ Command add_mesh_command(CLI::App& app) {
           ->add_option("--from", options->from,
                        "Convert this file instead: gmsh .msh, Medit .mesh, legacy .vtk, Vega .veg, TetGen .node/.ele")
           ->excludes(shape);
+  const auto stuffed = syntax
+                           ->add_option("--stuff", options->stuff,
+                                        "Fill this closed surface instead: .obj, .stl, .ply, .off; needs --cell")
+                           ->excludes(shape)
+                           ->excludes(from);
+  const auto cell =
+      syntax->add_option("--cell", options->cell, "Size of the elements for --stuff, m, > 0")->needs(stuffed);
+  stuffed->needs(cell);
   syntax->add_option("--size", options->size, "Length along x, y and z, m, > 0")->expected(3)->needs(shape);
   syntax->add_option("--corner", options->corner, "The corner with the least coordinates, m (0 0 0)")
       ->expected(3)
@@ -141,13 +170,14 @@ Command add_mesh_command(CLI::App& app) {
       "  corotet mesh beam --cells 20 4 4 --split kuhn6 -o beam_s.msh\n"
       "  corotet mesh block --size 2 2 1 --corner -1 -1 0 --cells 8 8 4 -o block.vtu\n"
       "  corotet mesh beam --cells 40 8 8 -o skin.obj\n"
-      "  corotet mesh --from bunny.1.ele --clean --order 2 -o bunny.msh");
+      "  corotet mesh --from bunny.1.ele --clean --order 2 -o bunny.msh\n"
+      "  corotet mesh --stuff skin.obj --cell 0.05 -o stuffed.msh");
   return {syntax, [options] {
-            if (options->shape.empty() && options->from.empty())
-              throw Failure("corotet mesh: say what to make: beam, block, or --from FILE");
-            const MeshData mesh = options->from.empty() ? make_shape(*options) : convert(*options);
+            if (options->shape.empty() && options->from.empty() && options->stuff.empty())
+              throw Failure("corotet mesh: say what to make: beam, block, --from FILE, or --stuff SURFACE");
+            const MeshData mesh = make(*options);
             write(*options, mesh);
-            if (!options->from.empty()) warn_if_unusable(mesh);
+            if (options->shape.empty()) warn_if_unusable(mesh);
             return 0;
           }};
 }

@@ -56,6 +56,22 @@ TEST_F(MeshCommand, FormatsConvertIntoEachOther) {
   EXPECT_EQ(std::count(skin.begin(), skin.end(), 'f'), 2 * (2 * 4 + 2));
 }
 
+TEST_F(MeshCommand, StuffsAClosedSurface) {
+  must("mesh block --cells 2 2 2 -o skin.obj");
+  must("mesh --stuff skin.obj --cell 0.15 --order 2 -o stuffed.msh");
+  const Json found = check("stuffed.msh");
+  EXPECT_EQ(found["nodes_per_element"], 10);
+  EXPECT_NEAR(found["total_volume"].get<double>(), 1, 0.05);   // corners and edges of the cube are cut off
+  EXPECT_GT(found["quality"]["min_dihedral"]["least"], 10.7);  // the bounds of the method
+  EXPECT_LT(found["quality"]["max_dihedral"]["most"], 164.8);
+  for (const std::string cell : {"-1", "0", "1e-9", "5"}) {
+    const Outcome outcome = corotet("mesh --stuff skin.obj --cell " + cell + " -o bad.msh");
+    EXPECT_EQ(outcome.exit_code, 1) << cell;
+    EXPECT_NE(outcome.err.find("skin.obj: size"), std::string::npos) << outcome.err;
+    EXPECT_FALSE(exists("bad.msh")) << cell;
+  }
+}
+
 constexpr const char* with_spare_vertex =
     "MeshVersionFormatted 2\nDimension 3\nVertices 5\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n9 9 9 0\n"
     "Tetrahedra 1\n1 2 3 4 0\nEnd\n";

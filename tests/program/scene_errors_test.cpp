@@ -172,6 +172,9 @@ TEST_F(SceneErrors, OfTheCommandLine) {
       {"mesh beam -o a.stl", 1},
       {"mesh beam -o nowhere/a.msh", 1},
       {"mesh --from nowhere.msh -o a.msh", 1},
+      {"mesh --stuff nowhere.obj --cell 0.1 -o a.msh", 1},
+      {"mesh --stuff file -o a.msh", 2},
+      {"mesh beam --stuff file --cell 0.1 -o a.msh", 2},
       {"check", 2},
       {"check nowhere.msh", 1},
   };
