@@ -14,6 +14,7 @@
 #include <CGAL/Polyhedral_mesh_domain_with_features_3.h>
 #include <CGAL/make_mesh_3.h>
 
+#include <cmath>
 #include <corotet/mesh/raise_order.hpp>
 #include <cstdio>
 #include <cstdlib>
@@ -60,8 +61,15 @@ MeshData mesh_beam(double edge_length) {
                                                   parameter::exude(parameter::time_limit = 0));
 
   MeshData mesh;
+  int flat_cells = 0;
   std::unordered_map<Triangulation::Vertex_handle, Index> vertex;
-  for (auto cell = complex.cells_in_complex_begin(); cell != complex.cells_in_complex_end(); ++cell)
+  for (auto cell = complex.cells_in_complex_begin(); cell != complex.cells_in_complex_end(); ++cell) {
+    // Four vertices of a flat face of the outline may form a cell without volume, which TetMesh would refuse. It lies
+    // in the face, so nothing is lost with it.
+    if (std::abs(complex.triangulation().tetrahedron(cell).volume()) < 1e-4 * std::pow(edge_length, 3)) {
+      ++flat_cells;
+      continue;
+    }
     for (int i = 0; i < 4; ++i) {
       const auto [found, is_new] = vertex.try_emplace(cell->vertex(i), mesh.vertex_count());
       if (is_new) {
@@ -70,6 +78,8 @@ MeshData mesh_beam(double edge_length) {
       }
       mesh.connectivity.push_back(found->second);
     }
+  }
+  if (flat_cells > 0) std::printf("left out %d flat cells on the faces\n", flat_cells);
   return mesh;
 }
 

@@ -40,7 +40,7 @@ def hello(program, _):
 
 
 def linear_vs_corotated(program, folder):
-    rows = table(run(program, folder, "10"))
+    rows = table(run(program, folder))
     linear, gram_schmidt, polar = ([float(x) for x in rows[name]] for name in ("identity", "gram_schmidt", "polar"))
     expect(linear[0] > 1.2, "linear elasticity to blow up the volume by more than 20 %")
     near(linear[2], 1, 0.02, "the drop of linear elasticity, q L / 8 =")
