@@ -128,7 +128,7 @@ Json to_json(const CheckReport& report) {
   json["defects"] = Json::object();
   for (const auto& [defect, count] : report.defects) json["defects"][name_of(defect)] = count;
   json["worst"] = Json::array();
-  for (const WorstElement& worst : report.worst)
+  for (const WorstElement& worst : report.worst) {
     json["worst"].push_back({{"element", worst.element},
                              {"defect", name_of(worst.defect)},
                              {"reason", describe(worst.defect)},
@@ -139,6 +139,7 @@ Json to_json(const CheckReport& report) {
                              {"radius_ratio", worst.quality.radius_ratio},
                              {"edge_ratio", worst.quality.edge_ratio},
                              {"jacobian_ratio", worst.quality.jacobian_ratio}});
+  }
   return json;
 }
 

@@ -28,7 +28,7 @@ template <class Scalar>
 [[nodiscard]] Vec3<double> local_origin(const MeshData& mesh) {
   if (!std::is_same_v<Scalar, float> || mesh.positions.empty()) return Vec3<double>::Zero();
   const auto [least, most] = Bounds::of(mesh);
-  const Vec3<double> centre = least + (most - least) / 2;
+  Vec3<double> centre = least + (most - least) / 2;
   if (centre.allFinite() && centre.norm() > (most - least).norm()) return centre;
   return Vec3<double>::Zero();
 }

@@ -28,7 +28,10 @@ class Problems {
     return std::nullopt;
   }
 
-  [[nodiscard]] bool empty() const { return list_.empty(); }
+  /// Notes the error of a library call under `key`, if there is one.
+  void check(const std::string& key, const Status& status) {
+    if (!status) add(key, status.error().message());
+  }
 
   /// Throws a Failure that lists the problems, if there are any.
   void stop_if_any() const {

@@ -12,6 +12,7 @@
 #include "command.hpp"
 #include "failure.hpp"
 #include "output_folder.hpp"
+#include "problems.hpp"
 #include "process_usage.hpp"
 #include "progress.hpp"
 #include "run_input.hpp"
@@ -31,15 +32,18 @@ struct RunCommandOptions {
 };
 
 /// Gives the simulation its initial state and its pins. Returns how many vertices are pinned.
-Index set_up(Simulation& simulation, const RunInput& input) {
-  if (input.positions) require(simulation.set_positions(*input.positions));
-  if (input.velocities) require(simulation.set_velocities(*input.velocities));
+Index set_up(Simulation& simulation, const Scene& scene, const RunInput& input) {
+  Problems problems(scene.file.string());  // numbers that are infinite in float
+  if (input.positions) problems.check("initial.positions", simulation.set_positions(*input.positions));
+  if (input.velocities) problems.check("initial.velocities", simulation.set_velocities(*input.velocities));
+  problems.stop_if_any();
   std::vector<bool> pinned(input.mesh.positions.size(), false);
-  for (const PinnedVertices& pins : input.pins)
+  for (const PinnedVertices& pins : input.pins) {
     for (const Index v : pins.vertices) {
       simulation.pin(v);
       pinned[at(v)] = true;
     }
+  }
   return static_cast<Index>(std::count(pinned.begin(), pinned.end(), true));
 }
 
@@ -81,17 +85,20 @@ std::string simulate(const Scene& scene, const RunInput& input, Simulation& simu
 
 void warn(const StepStatistics& steps, const RunFacts& facts) {
   const auto say = [](const std::string& text) { fmt::print(stderr, "corotet: warning: {}\n", text); };
-  if (steps.unconverged() > 0)
+  if (steps.unconverged() > 0) {
     say(
         fmt::format("the solver stopped before its tolerance in {} of {} steps (worst residual {:.3g}): raise "
                     "solver.max_iterations, loosen solver.tolerance, or use solver.name cholesky",
                     steps.unconverged(), steps.steps(), steps.worst_residual()));
-  if (steps.inverted_elements() > 0)
+  }
+  if (steps.inverted_elements() > 0) {
     say(fmt::format("{} elements are inverted at the end: use smaller steps, gentler pins, or a stiffer material",
                     steps.inverted_elements()));
-  if (facts.surface && facts.surface->outside > 0)
+  }
+  if (facts.surface && facts.surface->outside > 0) {
     say(fmt::format("{} surface vertices lie outside the mesh, by up to {:.3g} m; they follow the nearest element",
                     facts.surface->outside, facts.surface->largest_distance));
+  }
 }
 
 int run(const RunCommandOptions& options) {
@@ -105,7 +112,7 @@ int run(const RunCommandOptions& options) {
   facts.threads = options.threads;
   const auto start = std::chrono::steady_clock::now();
   const std::unique_ptr<Simulation> simulation = make_simulation(scene, input.mesh);
-  facts.pinned_vertices = set_up(*simulation, input);
+  facts.pinned_vertices = set_up(*simulation, scene, input);
   facts.setup_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   facts.simulation = simulation->facts();
   if (input.surface) facts.surface = require(simulation->bind(*input.surface, pool));

@@ -22,6 +22,7 @@
 
 #include "failure.hpp"
 #include "local_origin.hpp"
+#include "problems.hpp"
 #include "simulation.hpp"
 
 namespace corotet::program {
@@ -128,8 +129,15 @@ class TypedSimulation final : public Simulation {
 
  private:
   static Body make_body(const Scene& scene, const MeshData& mesh) {
-    auto checked = require(TetMesh<Scalar, Element>::create(mesh, local_origin<Scalar>(mesh)));
-    return require(Body::create(std::move(checked), scene.material, {scene.mass, scene.damping}));
+    Problems problems(scene.file.string());
+    auto checked = TetMesh<Scalar, Element>::create(mesh, local_origin<Scalar>(mesh));
+    if (!checked) {
+      const bool unused_vertex = checked.error().code == ErrorCode::unreferenced_vertex;
+      problems.add("mesh", scene.mesh.string() + ": " + checked.error().message() +
+                               (unused_vertex ? "; `corotet mesh --from FILE --clean` writes a mesh without it" : ""));
+    }
+    problems.stop_if_any();
+    return require(Body::create(std::move(checked).value(), scene.material, {scene.mass, scene.damping}));
   }
 
   [[nodiscard]] Vec3<double> rest(Index vertex) const {

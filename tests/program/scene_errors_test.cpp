@@ -116,6 +116,29 @@ TEST_F(SceneErrors, OfTheMeshItself) {
   expect_refusal(R"({"mesh": "bad.msh"})", "mesh: bad.msh:");
   expect_refusal(R"({"mesh": "note.txt"})", "mesh: note.txt: its content is none of");
   expect_refusal(R"({"mesh": "."})", "it is a directory");
+
+  const auto mesh_of = [](const std::string& fifth, const std::string& tetrahedra) {
+    return "MeshVersionFormatted 2\nDimension 3\nVertices 5\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n" + fifth +
+           " 0\nTetrahedra " + tetrahedra + "\nEnd\n";
+  };
+  write("spare.mesh", mesh_of("9 9 9", "1\n1 2 3 4 0"));
+  expect_refusal(R"({"mesh": "spare.mesh"})", "mesh: spare.mesh: vertex 4");
+  expect_refusal(R"({"mesh": "spare.mesh"})", "--clean");
+  write("flat.mesh", mesh_of("1 1 0", "2\n1 2 3 4 0\n1 2 3 5 0"));
+  expect_refusal(R"({"mesh": "flat.mesh"})", "mesh: flat.mesh: element 1: its volume is zero");
+  write("range.mesh", mesh_of("1 1 1", "1\n1 2 3 6 0"));
+  expect_refusal(R"({"mesh": "range.mesh", "order": 2})", "mesh: range.mesh:");
+  write("far.mesh", mesh_of("1e300 0 0", "2\n1 2 3 4 0\n2 3 4 5 0"));
+  expect_refusal(R"({"mesh": "far.mesh"})", "mesh: far.mesh:");
+}
+
+TEST_F(SceneErrors, OfNumbersTooLargeForFloat) {
+  std::string huge;
+  for (int v = 0; v < 12; ++v) huge += "0 0 1e300\n";
+  write("huge.txt", huge);
+  expect_refusal(R"({"mesh": "beam.msh", "initial": {"positions": "huge.txt"}})",
+                 "initial.positions: displacements of");
+  expect_refusal(R"({"mesh": "beam.msh", "initial": {"velocities": "huge.txt"}})", "initial.velocities: velocities of");
 }
 
 TEST_F(SceneErrors, MalformedJsonIsNamedByItsLine) {
