@@ -56,7 +56,7 @@ corotet::Index hang(Body& body) {
 /// Steps until nothing moves: the static shape. Long steps of backward Euler damp strongly, so this takes some tens.
 /// False if a step went wrong or the body does not come to rest.
 template <class Body>
-bool settle(Body& body, double h = 0.2, int most_steps = 2000) {
+bool settle(Body& body, double h = 0.3, int most_steps = 2000) {
   using Scalar = typename Body::scalar_type;
   corotet::ImplicitEuler euler(body, corotet::SolverOptions{.tolerance = 1e-8});
   for (int i = 0; i < most_steps; ++i) {

@@ -10,7 +10,7 @@ listing = re.search(r"```cpp\n(.*?)```", readme, re.DOTALL)
 if not listing or listing[1] != (root / "examples" / "hello.cpp").read_text():
     sys.exit("the first C++ listing of README.md is not examples/hello.cpp")
 
-missing = [target for target in re.findall(r"\]\(([^)#:]+)\)|src=\"([^\":]+)\"", readme)
+missing = [target for target in re.findall(r"\]\(([^)#:]+)\)|src=\"([^\":]+)\"", re.sub(r"```.*?```", "", readme, flags=re.DOTALL))
            if not (root / (target[0] or target[1])).exists()]
 if missing:
     sys.exit(f"README.md links to what does not exist: {missing}")
