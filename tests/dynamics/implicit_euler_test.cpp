@@ -1,0 +1,327 @@
+// A step does what its equation says, keeps what it must keep, and says what happened.
+#include <corotet/dynamics/implicit_euler.hpp>
+#include <corotet/rotation/gram_schmidt.hpp>
+#include <corotet/rotation/identity.hpp>
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <limits>
+#include <numbers>
+
+#include "support/bodies.hpp"
+
+namespace corotet {
+namespace {
+
+using testing::must;
+
+constexpr Material soft{.young = 5e5, .poisson = 0.3, .density = 1000};
+constexpr SolverOptions exact{.method = SolverMethod::cholesky, .tolerance = 1e-10};
+
+/// The beam on which corotational programs are compared: 1 x 0.2 x 0.2 m, held at x = 0, hanging under gravity.
+template <class Scalar, class Element>
+SoftBody<Scalar, Element> beam(std::array<Index, 3> cells, const BodyOptions& options = {}) {
+  auto body = must(SoftBody<Scalar, Element>::create(
+      testing::block<Scalar, Element>(
+          {.corner = {0, -0.1, -0.1}, .size = {1, 0.2, 0.2}, .cells = cells, .split = BlockSplit::kuhn6}),
+      soft, options));
+  body.pin_where([](const Vec3<Scalar>& x) { return x.x() == 0; });
+  body.set_gravity({0, 0, Scalar(-9.81)});
+  return body;
+}
+
+/// Tip deflections that an independent program computed for backward Euler at 1/60 s, one solve a step, lumped mass.
+TEST(ImplicitEuler, ReproducesTheReferenceBeam) {
+  auto body = beam<double, Tet4>({20, 4, 4});
+  ASSERT_EQ(body.mesh().element_count(), 1920);
+  ASSERT_EQ(body.vertex_count(), 525);
+  for (const SolverMethod method : {SolverMethod::cholesky, SolverMethod::pcg}) {
+    auto moving = body;
+    ImplicitEuler euler(moving, SolverOptions{.method = method, .tolerance = 1e-9});
+    const Index tip = testing::nearest_vertex(moving.mesh(), {1, 0, 0});
+    for (int step = 1; step <= 60; ++step) {
+      ASSERT_TRUE(euler.step(moving, 1.0 / 60).ok());
+      const double z = moving.displacements()[at(tip)].z();
+      const double expected = step == 15 ? -0.395640 : step == 30 ? -0.774105 : step == 60 ? -0.205312 : z;
+      EXPECT_NEAR(z, expected, 1e-5) << "after " << step << " steps";
+    }
+  }
+}
+
+/// The equation as written, with dense matrices: (M + h D + h^2 K') dv = h (f_ext + f_el - D v) - h^2 K' v.
+template <class Element>
+void expect_step_solves_the_equation(MassModel model) {
+  const BodyOptions options{.mass = model, .damping = {.mass = 0.7, .stiffness = 0.004}};
+  auto body = beam<double, Element>({3, 1, 1}, options);
+  const Index n = body.vertex_count(), dofs = 3 * n;
+  must(body.set_displacements(testing::random_field<double>(n, 0.01, 1)));
+  must(body.set_velocities(testing::random_field<double>(n, 0.5, 2)));
+  for (auto& f : body.external_forces()) f = Vec3<double>(0.1, -0.2, 0.3);
+  const Index led = body.pins().vertices().front();
+  body.move_pin(led, body.position(led) + Vec3<double>(0.001, 0.002, -0.001));
+
+  const double h = 0.01;
+  Eigen::MatrixXd k = Eigen::MatrixXd::Zero(dofs, dofs), m = k;
+  ElasticEvaluation<double, Element> state(body.law());
+  SerialExecutor serial;
+  body.law().evaluate(body.displacements(), state, serial);
+  BlockMatrix<double> stiffness(body.pattern());
+  assemble(body.law(), state, body.mass(), 0.0, 1.0, stiffness, serial);
+  const BlockPattern& p = *body.pattern();
+  Eigen::VectorXd force(dofs), v0(dofs);
+  for (Index i = 0; i < n; ++i) {
+    for (Index s = p.row_start[at(i)]; s < p.row_start[at(i) + 1]; ++s) {
+      k.block<3, 3>(3 * i, 3 * p.column[at(s)]) = stiffness.block(s);
+      m.block<3, 3>(3 * i, 3 * p.column[at(s)]) = body.mass().factor(p, i, s) * Mat3<double>::Identity();
+    }
+    force.segment<3>(3 * i) = state.vertex_force(p, i) + body.external_forces()[at(i)];
+    v0.segment<3>(3 * i) = body.velocities()[at(i)];
+  }
+  force += m * Vec3<double>(0, 0, -9.81).replicate(n, 1);
+  const Eigen::MatrixXd d = options.damping.mass * m + options.damping.stiffness * k, a = m + h * d + h * h * k;
+  const Eigen::VectorXd b = h * (force - d * v0) - h * h * k * v0;
+
+  const auto before = body;
+  ImplicitEuler euler(body, exact);
+  ASSERT_TRUE(euler.step(body, h).accepted());
+  const Eigen::VectorXd dv = flat(body.velocities()) - v0, residual = a * dv - b;
+  for (Index v = 0; v < n; ++v) {
+    const Vec3<double> moved = body.displacements()[at(v)] - before.displacements()[at(v)];
+    EXPECT_LT((moved - h * body.velocities()[at(v)]).norm(), 1e-14);
+    if (body.pins().is_pinned(v)) continue;
+    EXPECT_LT(residual.segment<3>(3 * v).norm(), 1e-10 * b.norm()) << "vertex " << v;
+  }
+  EXPECT_LT((body.position(led) - before.position(led) - Vec3<double>(0.001, 0.002, -0.001)).norm(), 1e-16);
+}
+
+TEST(ImplicitEuler, SolvesTheEquationOfMotionAsWritten) {
+  for (const MassModel model : {MassModel::lumped, MassModel::consistent}) {
+    expect_step_solves_the_equation<Tet4>(model);
+    expect_step_solves_the_equation<Tet10>(model);
+  }
+}
+
+template <class T>
+class Dynamics : public ::testing::Test {};
+TYPED_TEST_SUITE(Dynamics, testing::AllCases);
+
+/// Without pins and gravity the momentum of every step is that of the step before: internal forces balance.
+TYPED_TEST(Dynamics, LinearMomentumOfAFreeBodyIsKept) {
+  using Scalar = typename TypeParam::Scalar;
+  using Element = typename TypeParam::Element;
+  auto body = must(SoftBody<Scalar, Element>::create(
+      testing::block<Scalar, Element>({.size = {0.4, 0.3, 0.2}, .cells = {3, 2, 2}}), soft));
+  must(body.set_velocities(testing::random_field<Scalar>(body.vertex_count(), 1, 3)));
+  const auto momentum = [&] {
+    Vec3<double> sum = Vec3<double>::Zero();
+    for (Index v = 0; v < body.vertex_count(); ++v)
+      sum += double(body.mass().row_sum(v)) * body.velocities()[at(v)].template cast<double>();
+    return sum;
+  };
+  const Vec3<double> start = momentum();
+  ImplicitEuler euler(body, SolverOptions{.tolerance = sizeof(Scalar) == 4 ? 1e-5 : 1e-12});
+  for (int step = 0; step < 100; ++step) ASSERT_TRUE(euler.step(body, Scalar(0.01)).accepted());
+  EXPECT_LT((momentum() - start).norm(), (sizeof(Scalar) == 4 ? 1e-3 : 1e-9) * start.norm());
+}
+
+/// A free body in gravity falls as a point does under backward Euler: v = g t, x = g h^2 n (n + 1) / 2, undeformed.
+TYPED_TEST(Dynamics, FreeFallDoesNotDeform) {
+  using Scalar = typename TypeParam::Scalar;
+  using Element = typename TypeParam::Element;
+  auto body = must(SoftBody<Scalar, Element>::create(
+      testing::block<Scalar, Element>({.size = {0.4, 0.3, 0.2}, .cells = {2, 2, 1}}), soft));
+  body.set_gravity({0, Scalar(-10), 0});
+  ImplicitEuler euler(body);
+  StepReport report;
+  for (int step = 0; step < 100; ++step) {
+    report = euler.step(body, Scalar(0.01));
+    ASSERT_TRUE(report.accepted());
+  }
+  const double tolerance = sizeof(Scalar) == 4 ? 2e-4 : 1e-10;
+  EXPECT_LT(report.largest_strain, tolerance);
+  for (const auto& u : body.displacements())
+    EXPECT_LT((u.template cast<double>() - Vec3<double>(0, -10 * 1e-4 * 100 * 101 / 2, 0)).norm(), 10 * tolerance);
+}
+
+/// Nothing pulls, nothing moves: no drift out of rounding.
+TYPED_TEST(Dynamics, RestStaysAtRest) {
+  using Scalar = typename TypeParam::Scalar;
+  auto body = beam<Scalar, typename TypeParam::Element>({5, 1, 1});
+  body.set_gravity(Vec3<Scalar>::Zero());
+  ImplicitEuler euler(body);
+  for (int step = 0; step < 50; ++step) ASSERT_TRUE(euler.step(body, Scalar(0.02)).ok());
+  for (const auto& u : body.displacements()) EXPECT_LT(double(u.norm()), 1e-6);
+}
+
+/// Pins that are led carry the body with them, exactly, and count as a rigid motion once it settles.
+TYPED_TEST(Dynamics, LedPinsArriveExactlyAndTheBodyFollows) {
+  using Scalar = typename TypeParam::Scalar;
+  auto body = beam<Scalar, typename TypeParam::Element>({5, 1, 1}, {.damping = {.mass = 4, .stiffness = 0.05}});
+  body.set_gravity(Vec3<Scalar>::Zero());
+  ImplicitEuler euler(body, SolverOptions{.tolerance = 1e-5});
+  const Mat3<double> quarter = Eigen::AngleAxisd(std::numbers::pi / 2, Vec3<double>::UnitY()).toRotationMatrix();
+  StepReport report;
+  for (int step = 1; step <= 300; ++step) {
+    const double turn = std::min(1.0, step / 60.0) * std::numbers::pi / 2;
+    const Mat3<double> q = Eigen::AngleAxisd(turn, Vec3<double>::UnitY()).toRotationMatrix();
+    for (const Index v : std::vector<Index>(body.pins().vertices()))
+      body.move_pin(v, (q * body.mesh().position(v).template cast<double>()).template cast<Scalar>());
+    report = euler.step(body, Scalar(1.0 / 60));
+    ASSERT_TRUE(report.accepted());
+    for (const Index v : body.pins().vertices())
+      ASSERT_LT((body.position(v).template cast<double>() - q * body.mesh().position(v).template cast<double>()).norm(),
+                4 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()));
+  }
+  EXPECT_LT(report.largest_strain, 2e-3);
+  EXPECT_NEAR(report.largest_rotation, std::numbers::pi / 2, 5e-3);
+  for (Index v = 0; v < body.vertex_count(); ++v)
+    EXPECT_LT(
+        (body.position(v).template cast<double>() - quarter * body.mesh().position(v).template cast<double>()).norm(),
+        5e-3);
+}
+
+TYPED_TEST(Dynamics, ReleasedVerticesAreFree) {
+  using Scalar = typename TypeParam::Scalar;
+  auto body = beam<Scalar, typename TypeParam::Element>({2, 1, 1});
+  const Index count = size_of(body.pins().vertices());
+  for (const Index v : std::vector<Index>(body.pins().vertices())) {
+    body.pins().release(v);
+    EXPECT_FALSE(body.pins().is_pinned(v));
+  }
+  EXPECT_GT(count, 0);
+  EXPECT_TRUE(body.pins().vertices().empty());
+  ImplicitEuler euler(body, SolverOptions{.tolerance = 1e-5});
+  for (int step = 0; step < 10; ++step) ASSERT_TRUE(euler.step(body, Scalar(0.1)).accepted());
+  for (const auto& u : body.displacements()) EXPECT_NEAR(double(u.z()), -9.81 * 0.01 * 55, 1e-3);
+}
+
+/// What was said of Identity: rotate the ends of a beam and it grows; Polar keeps the volume.
+TEST(LinearElasticity, GrowsWhereTheCorotationalBodyDoesNot) {
+  const auto volume_ratio = [](auto rotation) {
+    using Rotation = decltype(rotation);
+    auto body = must(SoftBody<double, Tet10, Rotation>::create(
+        testing::block<double, Tet10>({.size = {1, 0.2, 0.2}, .cells = {6, 1, 1}}), Material{.young = 2e4}));
+    body.pin_where([](const Vec3<double>& x) { return x.x() == 0; });
+    body.set_gravity({0, 0, -9.81});
+    ImplicitEuler euler(body, exact);
+    for (int step = 0; step < 100; ++step) EXPECT_TRUE(euler.step(body, 0.1).accepted());
+    std::vector<Vec3<double>> now;
+    for (Index v = 0; v < body.vertex_count(); ++v) now.push_back(body.position(v));
+    double volume = 0;
+    for (const auto& nodes : body.mesh().elements()) volume += detail::corner_volume(now, nodes.data());
+    return volume / 0.04;
+  };
+  EXPECT_GT(volume_ratio(Identity{}), 1.5);
+  EXPECT_NEAR(volume_ratio(Polar{}), 1, 0.05);
+}
+
+// ---- bad input: refused by name, state untouched ----
+
+template <class Body>
+void expect_untouched(const Body& now, const Body& before) {
+  EXPECT_EQ(flat(now.displacements()), flat(before.displacements()));
+  EXPECT_EQ(flat(now.velocities()), flat(before.velocities()));
+}
+
+TYPED_TEST(Dynamics, BadInputIsRefusedByNameAndChangesNothing) {
+  using Scalar = typename TypeParam::Scalar;
+  auto body = beam<Scalar, typename TypeParam::Element>({3, 1, 1});
+  ImplicitEuler euler(body);
+  ASSERT_TRUE(euler.step(body, Scalar(0.01)).accepted());
+  const auto before = body;
+  constexpr Scalar nan = std::numeric_limits<Scalar>::quiet_NaN(), infinity = std::numeric_limits<Scalar>::infinity();
+
+  for (const Scalar h : {Scalar(0), Scalar(-0.1), nan, infinity}) {
+    const StepReport report = euler.step(body, h);
+    EXPECT_EQ(report.refusal, Refusal::time_step);
+    EXPECT_STRNE(report.advice(), "");
+    expect_untouched(body, before);
+  }
+  for (const Scalar bad : {nan, infinity}) {
+    body.set_gravity({0, bad, 0});
+    EXPECT_EQ(euler.step(body, Scalar(0.01)).refusal, Refusal::gravity);
+    body.set_gravity(before.gravity());
+
+    body.external_forces()[7].y() = bad;
+    const StepReport force = euler.step(body, Scalar(0.01));
+    EXPECT_EQ(force.refusal, Refusal::external_force);
+    EXPECT_EQ(force.vertex, 7);
+    body.external_forces()[7].y() = 0;
+
+    const Index pinned = body.pins().vertices().back();
+    body.move_pin(pinned, {0, 0, bad});
+    const StepReport pin = euler.step(body, Scalar(0.01));
+    EXPECT_EQ(pin.refusal, Refusal::pin_target);
+    EXPECT_EQ(pin.vertex, pinned);
+    body.move_pin(pinned, before.position(pinned));
+
+    Field<Scalar> field(at(body.vertex_count()), Vec3<Scalar>::Zero());
+    field[4].z() = bad;
+    const Status displaced = body.set_displacements(field);
+    ASSERT_FALSE(displaced.ok());
+    EXPECT_EQ(displaced.error().code, ErrorCode::non_finite_value);
+    EXPECT_NE(displaced.error().where.find("vertex 4"), std::string::npos);
+    EXPECT_FALSE(body.set_velocities(field).ok());
+    expect_untouched(body, before);
+  }
+  EXPECT_FALSE(body.set_displacements(Field<Scalar>(3, Vec3<Scalar>::Zero())).ok());
+  expect_untouched(body, before);
+
+  body.external_forces()[7].y() = std::numeric_limits<Scalar>::max();  // finite, but its consequences are not
+  const StepReport overflow = euler.step(body, Scalar(1e3));
+  EXPECT_FALSE(overflow.accepted());
+  expect_untouched(body, before);
+  body.external_forces()[7].y() = 0;
+  EXPECT_TRUE(euler.step(body, Scalar(0.01)).accepted()) << "a refusal must not poison the integrator";
+}
+
+TYPED_TEST(Dynamics, AnUnfinishedSolveIsSaid) {
+  using Scalar = typename TypeParam::Scalar;
+  auto body = beam<Scalar, typename TypeParam::Element>({6, 1, 1});
+  ImplicitEuler euler(body, SolverOptions{.method = SolverMethod::pcg, .tolerance = 1e-6, .max_iterations = 2});
+  const StepReport report = euler.step(body, Scalar(0.02));
+  EXPECT_TRUE(report.accepted());
+  EXPECT_FALSE(report.converged);
+  EXPECT_FALSE(report.ok());
+  EXPECT_EQ(report.iterations, 2);
+  EXPECT_STRNE(report.advice(), "");
+}
+
+TYPED_TEST(Dynamics, InvertedElementsAreCountedInTheStateAfterTheStep) {
+  using Scalar = typename TypeParam::Scalar;
+  auto body = beam<Scalar, typename TypeParam::Element>({3, 1, 1});
+  body.set_gravity(Vec3<Scalar>::Zero());
+  for (Index v = 0; v < body.vertex_count(); ++v) body.pins().pin(v, Vec3<Scalar>::Zero());  // nothing may move back
+  ImplicitEuler euler(body);
+  EXPECT_EQ(euler.step(body, Scalar(0.01)).inverted_elements, 0);
+  for (Index v = 0; v < body.vertex_count(); ++v)
+    body.pins().pin(v, {-2 * body.mesh().position(v).x(), 0, 0});  // mirror
+  const StepReport report = euler.step(body, Scalar(0.01));
+  EXPECT_EQ(report.inverted_elements, body.mesh().element_count());
+  EXPECT_STRNE(report.advice(), "");
+}
+
+TEST(SoftBody, RefusesBadMaterialsAndDampingByName) {
+  const auto mesh = testing::block<double, Tet4>({});
+  const auto refused = [&](const Materials& m, const BodyOptions& o, const char* name) {
+    const auto body = SoftBody<double>::create(mesh, m, o);
+    ASSERT_FALSE(body.ok()) << name;
+    EXPECT_EQ(body.error().code, ErrorCode::invalid_argument);
+    EXPECT_NE(body.error().message().find(name), std::string::npos) << body.error().message();
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  for (const double bad : {0.0, -1.0, nan, infinity}) {
+    refused(Material{.young = bad}, {}, "young");
+    refused(Material{.density = bad}, {}, "density");
+  }
+  for (const double bad : {0.5, 0.6, -1.0, -2.0, nan, infinity}) refused(Material{.poisson = bad}, {}, "poisson");
+  refused(Material{}, {.damping = {.mass = -1, .stiffness = 0}}, "damping");
+  refused(Material{}, {.damping = {.mass = 0, .stiffness = nan}}, "damping");
+  refused(std::vector<Material>(2), {}, "materials");
+  std::vector<Material> one_bad(at(mesh.element_count()));
+  one_bad[3].poisson = 0.5;
+  refused(one_bad, {}, "element 3");
+}
+
+}  // namespace
+}  // namespace corotet

@@ -1,0 +1,127 @@
+// Static answers against theory: patch test, Timoshenko's beam, and a beam that bends far under its own weight.
+#include <corotet/dynamics/implicit_euler.hpp>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/bodies.hpp"
+
+namespace corotet {
+namespace {
+
+using testing::must;
+
+/// Steps of `h` (some periods of the slowest vibration, so that inertia hardly counts), each from standstill, while
+/// gravity grows to its full value over `ramp` steps: Newton's method with the warped stiffness. True once a step moves
+/// no vertex farther than `tolerance`, m.
+template <class Body>
+bool settle(Body& body, double h, double tolerance, int ramp = 1) {
+  using Scalar = typename Body::scalar_type;
+  ImplicitEuler euler(body, SolverOptions{.method = SolverMethod::cholesky, .tolerance = 1e-9});
+  const Field<Scalar> still(at(body.vertex_count()), Vec3<Scalar>::Zero());
+  const Vec3<Scalar> gravity = body.gravity();
+  for (int step = 1; step <= 200; ++step) {
+    const Field<Scalar> before = body.displacements();
+    must(body.set_velocities(still));
+    body.set_gravity(gravity * std::min(Scalar(1), Scalar(step) / Scalar(ramp)));
+    if (!euler.step(body, Scalar(h)).accepted()) return false;
+    double moved = 0;
+    for (std::size_t v = 0; v < before.size(); ++v)
+      moved = std::max(moved, double((body.displacements()[v] - before[v]).norm()));
+    if (step > ramp && moved < tolerance) return true;
+  }
+  return false;
+}
+
+template <class T>
+class PatchTest : public ::testing::Test {};
+TYPED_TEST_SUITE(PatchTest, testing::AllCases);
+
+/// A distorted mesh whose boundary follows an affine map, inner vertices anywhere: the inside must follow, too.
+TYPED_TEST(PatchTest, AffineBoundaryGivesTheAffineField) {
+  using Scalar = typename TypeParam::Scalar;
+  using Element = typename TypeParam::Element;
+  auto body = must(SoftBody<Scalar, Element>::create(
+      testing::distorted_block<Scalar, Element>({.size = {1, 1, 1}, .cells = {3, 3, 3}}, 0.2, 1),
+      Material{.young = 1e5}));
+  testing::Random random(2);
+  const Mat3<double> affine = random.rotation() * (Mat3<double>::Identity() + random.matrix(0.1));
+  ASSERT_GT(affine.determinant(), 0);
+  const auto exact = testing::displacement_of(body.mesh(), [&](const Vec3<double>& x) { return (affine * x).eval(); });
+  Field<Scalar> start = exact;
+  Index inside = 0;
+  for (Index v = 0; v < body.vertex_count(); ++v) {
+    const auto& x = body.mesh().position(v);
+    if (x.minCoeff() > 1e-5 && x.maxCoeff() < 1 - 1e-5) {
+      start[at(v)] += random.vector(0.02).template cast<Scalar>();
+      ++inside;
+    } else {
+      body.pins().pin(v, exact[at(v)]);
+    }
+  }
+  ASSERT_GE(inside, 8);
+  must(body.set_displacements(start));
+  const double tolerance = sizeof(Scalar) == 4 ? 1e-5 : 1e-12;
+  EXPECT_TRUE(settle(body, 10, tolerance));
+  for (Index v = 0; v < body.vertex_count(); ++v)
+    EXPECT_LT(double((body.displacements()[at(v)] - exact[at(v)]).norm()), 10 * tolerance);
+}
+
+/// Tip deflection of a beam of length 4 and height 1 with nu = 0, held at one end, under its own small weight.
+template <class Element>
+double small_deflection(Index cells_through) {
+  auto body = must(SoftBody<double, Element>::create(
+      testing::block<double, Element>({.size = {4, 1, 1}, .cells = {4 * cells_through, cells_through, cells_through}}),
+      Material{.young = 1e4, .poisson = 0, .density = 1}));
+  body.pin_where([](const Vec3<double>& x) { return x.x() == 0; });
+  body.set_gravity({0, 0, -1e-4});
+  EXPECT_TRUE(settle(body, 10, 1e-13));
+  return -body.displacements()[at(testing::nearest_vertex(body.mesh(), {4, 0.5, 0.5}))].z();
+}
+
+/// delta = q L^4 / 8 E I + q L^2 / 2 kappa G A, kappa = 10 (1 + nu) / (12 + 11 nu) (Timoshenko; Cowper 1966). The
+/// energy error, and with it the error of a mean deflection, falls with the 2p-th power of the cell size for elements
+/// of order p.
+TEST(SmallDeflection, ConvergesToTimoshenkoAtTheOrderOfTheElement) {
+  const double q = 1e-4, e = 1e4, inertia = 1.0 / 12, shear_modulus = e / 2, kappa = 10.0 / 12;
+  const double timoshenko = q * 256 / (8 * e * inertia) + q * 16 / (2 * kappa * shear_modulus);
+
+  const double t2 = small_deflection<Tet4>(2), t4 = small_deflection<Tet4>(4), t8 = small_deflection<Tet4>(8);
+  const double s1 = small_deflection<Tet10>(1), s2 = small_deflection<Tet10>(2), s4 = small_deflection<Tet10>(4);
+  const double tet4_order = std::log2((s4 - t4) / (s4 - t8)), tet10_order = std::log2((s2 - s1) / (s4 - s2));
+  std::printf("of Timoshenko: Tet4 2/4/8 cells %.5f %.5f %.5f, Tet10 1/2/4 cells %.6f %.6f %.6f; orders %.2f %.2f\n",
+              t2 / timoshenko, t4 / timoshenko, t8 / timoshenko, s1 / timoshenko, s2 / timoshenko, s4 / timoshenko,
+              tet4_order, tet10_order);
+  EXPECT_NEAR(s4, timoshenko, 0.01 * timoshenko);
+  EXPECT_LT(std::abs(s4 - timoshenko), 0.1 * std::abs(t8 - timoshenko));
+  EXPECT_GT(tet4_order, 1.7);
+  EXPECT_LT(tet4_order, 2.3);
+  EXPECT_GT(tet10_order, 3);  // 4 in theory, until the corners of the clamp show
+}
+
+/// The self-weight cantilever that bends by 0.12, 0.43 and 0.65 of its length: L/h = 10, nu = 0 and 0.3, against
+/// converged solutions of the same continuous model by an independent program (dx/L, dy/L; +-5e-4).
+TEST(LargeDeflection, Tet10WithTwoCellsThroughTheThicknessIsWithinOneAndAHalfPercent) {
+  struct Row {
+    double load, poisson, dx, dy;
+  };
+  for (const Row& row : {Row{1, 0, .00881, .12448}, Row{1, .3, .00868, .12356}, Row{4, 0, .11091, .42938},
+                         Row{4, .3, .10959, .42709}, Row{8, 0, .27882, .64853}, Row{8, .3, .27661, .64665}}) {
+    auto body = must(SoftBody<double, Tet10>::create(
+        testing::block<double, Tet10>(
+            {.corner = {0, -0.05, -0.05}, .size = {1, 0.1, 0.1}, .cells = {20, 2, 2}, .split = BlockSplit::kuhn6}),
+        Material{.young = 1e6, .poisson = row.poisson, .density = 1000}));
+    body.pin_where([](const Vec3<double>& x) { return x.x() == 0; });
+    // q = q0 L^3 / E I with q0 = rho A g, A = h^2, I = h^4 / 12.
+    body.set_gravity({0, 0, -row.load * 1e6 * (0.01 / 12) / 1000});
+    EXPECT_TRUE(settle(body, 0.2, 1e-6, 20)) << "q = " << row.load;
+    const auto tip = body.displacements()[at(testing::nearest_vertex(body.mesh(), {1, 0, 0}))];
+    std::printf("q %g nu %g: dx %.5f (%.5f) dy %.5f (%.5f)\n", row.load, row.poisson, -tip.x(), row.dx, -tip.z(),
+                row.dy);
+    EXPECT_NEAR(-tip.x(), row.dx, 0.015 * row.dx + 5e-4);
+    EXPECT_NEAR(-tip.z(), row.dy, 0.015 * row.dy + 5e-4);
+  }
+}
+
+}  // namespace
+}  // namespace corotet

@@ -1,0 +1,55 @@
+// Counts the program's heap allocations. Include in one file of a test program only: it replaces operator new, and
+// wraps malloc, which Eigen uses.
+#pragma once
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define COROTET_TEST_HAS_ASAN 1
+#endif
+#endif
+
+namespace corotet::testing {
+inline std::atomic<long> allocation_count{0};
+}
+
+#if defined(COROTET_TEST_HAS_ASAN) || defined(__SANITIZE_ADDRESS__)
+// The sanitizer owns malloc and tells of every allocation through a hook.
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*malloc_hook)(const volatile void*, std::size_t),
+                                                         void (*free_hook)(const volatile void*));
+namespace corotet::testing {
+inline const int hooks_installed = __sanitizer_install_malloc_and_free_hooks(
+    [](const volatile void*, std::size_t) { ++allocation_count; }, [](const volatile void*) {});
+}
+#else
+// glibc: the real allocator under its other name.
+extern "C" void* __libc_malloc(std::size_t size);
+extern "C" void* __libc_calloc(std::size_t count, std::size_t size);
+extern "C" void* __libc_realloc(void* old, std::size_t size);
+extern "C" void* __libc_memalign(std::size_t alignment, std::size_t size);
+
+extern "C" void* malloc(std::size_t size) {
+  ++corotet::testing::allocation_count;
+  return __libc_malloc(size);
+}
+extern "C" void* calloc(std::size_t count, std::size_t size) {
+  ++corotet::testing::allocation_count;
+  return __libc_calloc(count, size);
+}
+extern "C" void* realloc(void* old, std::size_t size) {
+  ++corotet::testing::allocation_count;
+  return __libc_realloc(old, size);
+}
+extern "C" void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  ++corotet::testing::allocation_count;
+  return __libc_memalign(alignment, size);
+}
+extern "C" int posix_memalign(void** out, std::size_t alignment, std::size_t size) {
+  ++corotet::testing::allocation_count;
+  *out = __libc_memalign(alignment, size);
+  return *out != nullptr ? 0 : 12;
+}
+#endif
