@@ -81,4 +81,5 @@
 #include <corotet/solve/block_jacobi.hpp>
 #include <corotet/solve/dot.hpp>
 #include <corotet/solve/pcg.hpp>
+#include <corotet/solve/refinement.hpp>
 #include <corotet/solve/solver.hpp>

@@ -7,6 +7,7 @@
 #include <corotet/solve/block_cholesky.hpp>
 #include <corotet/solve/block_jacobi.hpp>
 #include <corotet/solve/pcg.hpp>
+#include <corotet/solve/refinement.hpp>
 #include <corotet/solve/solver.hpp>
 #include <limits>
 
@@ -40,11 +41,9 @@ class AutoSolver {
     }
     preconditioner_ = options_.preconditioner == PreconditionerKind::automatic ? PreconditionerKind::block_jacobi
                                                                                : options_.preconditioner;
-    residual_.assign(at(pattern.rows()), Vec3<Scalar>::Zero());
     if (method_ == SolverMethod::cholesky) {
       cholesky_.allocate();
-      correction_ = residual_;
-      dot_ = DotProduct(pattern.rows());
+      refinement_ = Refinement<Scalar>(pattern.rows());
       return;
     }
     cholesky_ = {};
@@ -59,7 +58,11 @@ class AutoSolver {
   /// Euclidean (Cholesky, refined where one substitution is not enough).
   template <Executor E>
   SolveReport solve(const BlockMatrix<Scalar>& matrix, const Field<Scalar>& b, Field<Scalar>& x, E& executor) {
-    if (method_ == SolverMethod::cholesky) return solve_directly(matrix, b, x, executor);
+    if (method_ == SolverMethod::cholesky) {
+      if (!cholesky_.factorize(matrix)) return {SolveStatus::breakdown, 0, 1.0};
+      const auto factor = [this](const Field<Scalar>& r, Field<Scalar>& y) { cholesky_.solve(r, y); };
+      return refinement_.solve(matrix, factor, b, x, options_.tolerance, executor);
+    }
     const PcgOptions options{options_.tolerance, options_.max_iterations};
     if (preconditioner_ == PreconditionerKind::jacobi) {
       jacobi_.update(matrix, executor);
@@ -83,31 +86,6 @@ class AutoSolver {
     return direct < expected_iterations * product ? SolverMethod::cholesky : SolverMethod::pcg;
   }
 
-  template <Executor E>
-  SolveReport solve_directly(const BlockMatrix<Scalar>& matrix, const Field<Scalar>& b, Field<Scalar>& x, E& executor) {
-    constexpr int refinements = 3;
-    SolveReport report;
-    const double size = dot_(b, b, executor);
-    flat(x).setZero();
-    if (size == 0) return report;
-    if (!cholesky_.factorize(matrix)) return {SolveStatus::breakdown, 0, 1.0};
-    residual_ = b;
-    for (;;) {
-      cholesky_.solve(residual_, correction_);
-      flat(x) += flat(correction_);
-      matrix.apply(x, residual_, executor);
-      flat(residual_) = flat(b) - flat(residual_);
-      report.residual = std::sqrt(dot_(residual_, residual_, executor) / size);
-      if (!std::isfinite(report.residual)) return {SolveStatus::breakdown, report.iterations, 1.0};
-      if (report.residual <= options_.tolerance) return report;
-      if (report.iterations == refinements) {
-        report.status = SolveStatus::iteration_limit;
-        return report;
-      }
-      ++report.iterations;
-    }
-  }
-
   // Iterations of block-Jacobi PCG to 1e-3 on bodies small enough for the question to arise (E = 5e5 Pa, h = 1/60 s).
   static constexpr double expected_iterations = 70;
 
@@ -118,8 +96,7 @@ class AutoSolver {
   Jacobi<Scalar> jacobi_;
   BlockJacobi<Scalar> block_jacobi_;
   BlockCholesky<Scalar> cholesky_;
-  Field<Scalar> residual_, correction_;
-  DotProduct dot_;
+  Refinement<Scalar> refinement_;
 };
 
 static_assert(LinearSolver<AutoSolver<float>, float> && LinearSolver<AutoSolver<double>, double>);

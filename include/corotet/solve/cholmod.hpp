@@ -1,0 +1,79 @@
+// Opt-in: SuiteSparse's sparse Cholesky as the solver of a step. Link corotet::cholmod. Its supernodal module is GPL.
+#pragma once
+
+#include <Eigen/CholmodSupport>
+#include <algorithm>
+#include <corotet/assembly/block_matrix.hpp>
+#include <corotet/core/executor.hpp>
+#include <corotet/core/types.hpp>
+#include <corotet/solve/refinement.hpp>
+#include <corotet/solve/solver.hpp>
+#include <memory>
+
+namespace corotet {
+
+struct CholmodOptions {
+  double tolerance = 1e-9;  ///< Euclidean residual, relative to |b|; reached by refinement where Scalar allows it
+};
+
+/// Supernodal factorisation in double, whatever Scalar is (Chen, Davis, Hager & Rajamanickam 2008). For large, stiff
+/// bodies where conjugate gradients need very many iterations. CHOLMOD allocates in every solve, and runs on the
+/// threads of the BLAS that it is linked to: the promises of no allocation and of same bits on any number of threads
+/// end here.
+template <std::floating_point Scalar>
+class CholmodSolver {
+ public:
+  using Options = CholmodOptions;
+
+  CholmodSolver() = default;
+  explicit CholmodSolver(const Options& options) : options_(options) {}
+
+  /// Ordering and symbolic factorisation.
+  void analyze(const BlockPattern& pattern) {
+    refinement_ = Refinement<Scalar>(pattern.rows());
+    const Index n = 3 * pattern.rows();
+    matrix_.resize(n, n);
+    matrix_.resizeNonZeros(Eigen::Index{9} * pattern.blocks());
+    right_side_.resize(n);
+    // Symmetric, so that row i of blocks gives columns 3i, 3i + 1 and 3i + 2.
+    Index* start = matrix_.outerIndexPtr();
+    Index* row = matrix_.innerIndexPtr();
+    for (Index i = 0; i < pattern.rows(); ++i)
+      for (int c = 0; c < 3; ++c) {
+        *start++ = static_cast<Index>(row - matrix_.innerIndexPtr());
+        for (Index k = pattern.row_start[at(i)]; k < pattern.row_start[at(i) + 1]; ++k)
+          for (int r = 0; r < 3; ++r) *row++ = 3 * pattern.column[at(k)] + r;
+      }
+    *start = static_cast<Index>(row - matrix_.innerIndexPtr());
+    std::fill(matrix_.valuePtr(), matrix_.valuePtr() + matrix_.nonZeros(), 0.0);
+    cholmod_->analyzePattern(matrix_);
+  }
+
+  template <Executor E>
+  SolveReport solve(const BlockMatrix<Scalar>& matrix, const Field<Scalar>& b, Field<Scalar>& x, E& executor) {
+    double* value = matrix_.valuePtr();
+    const BlockPattern& pattern = matrix.pattern();
+    for (Index i = 0; i < pattern.rows(); ++i)
+      for (int c = 0; c < 3; ++c)
+        for (Index k = pattern.row_start[at(i)]; k < pattern.row_start[at(i) + 1]; ++k)
+          for (int r = 0; r < 3; ++r) *value++ = static_cast<double>(matrix.block(k)(c, r));
+    cholmod_->factorize(matrix_);
+    if (cholmod_->info() != Eigen::Success) return {SolveStatus::breakdown, 0, 1.0};
+    const auto factor = [this](const Field<Scalar>& residual, Field<Scalar>& y) {
+      right_side_ = flat(residual).template cast<double>();
+      flat(y) = cholmod_->solve(right_side_).template cast<Scalar>();
+    };
+    return refinement_.solve(matrix, factor, b, x, options_.tolerance, executor);
+  }
+
+ private:
+  Options options_;
+  Eigen::SparseMatrix<double, Eigen::ColMajor, Index> matrix_;
+  // Behind a pointer because Eigen's wrapper cannot be moved, and an integrator takes its solver by value.
+  using Factorization = Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double, Eigen::ColMajor, Index>>;
+  std::unique_ptr<Factorization> cholmod_ = std::make_unique<Factorization>();
+  Eigen::VectorXd right_side_;
+  Refinement<Scalar> refinement_;
+};
+
+}  // namespace corotet

@@ -1,0 +1,55 @@
+// Iterative refinement: turns a factorisation, rounded as it is, into a solution whose residual is known.
+#pragma once
+
+#include <cmath>
+#include <corotet/assembly/block_matrix.hpp>
+#include <corotet/core/executor.hpp>
+#include <corotet/core/types.hpp>
+#include <corotet/solve/dot.hpp>
+#include <corotet/solve/solver.hpp>
+
+namespace corotet {
+
+/// Solves with a factorisation of the matrix, measures the residual, and corrects until it is small enough. Keeps its
+/// vectors between solves. (Golub & Van Loan 2013, section 3.5.3.)
+template <std::floating_point Scalar>
+class Refinement {
+ public:
+  Refinement() = default;
+  explicit Refinement(Index vertices)
+      : residual_(at(vertices), Vec3<Scalar>::Zero()), correction_(residual_), dot_(vertices) {}
+
+  /// Solves A x = b by `factor(r, y)`, which sets y to nearly A^-1 r, to a Euclidean residual of `tolerance` * |b|.
+  /// Each correction counts as an iteration. Ends as breakdown if a residual is not finite.
+  template <class Factor, Executor E>
+  SolveReport solve(const BlockMatrix<Scalar>& matrix, Factor&& factor, const Field<Scalar>& b, Field<Scalar>& x,
+                    double tolerance, E& executor) {
+    SolveReport report;
+    const double size = dot_(b, b, executor);
+    flat(x).setZero();
+    if (size == 0) return report;
+    residual_ = b;
+    for (;;) {
+      factor(residual_, correction_);
+      flat(x) += flat(correction_);
+      matrix.apply(x, residual_, executor);
+      flat(residual_) = flat(b) - flat(residual_);
+      report.residual = std::sqrt(dot_(residual_, residual_, executor) / size);
+      if (!std::isfinite(report.residual)) return {SolveStatus::breakdown, report.iterations, 1.0};
+      if (report.residual <= tolerance) return report;
+      if (report.iterations == most_corrections) {
+        report.status = SolveStatus::iteration_limit;
+        return report;
+      }
+      ++report.iterations;
+    }
+  }
+
+ private:
+  static constexpr int most_corrections = 3;  // each gains the digits that the factor has: more would gain nothing
+
+  Field<Scalar> residual_, correction_;
+  DotProduct dot_;
+};
+
+}  // namespace corotet
