@@ -11,6 +11,7 @@
 #include <corotet/core/executor.hpp>
 #include <corotet/core/lanes.hpp>
 #include <corotet/core/result.hpp>
+#include <corotet/core/simd_pack.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/core/version.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>

@@ -5,6 +5,7 @@
 #include <corotet/rotation/polar.hpp>
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <cmath>
 #include <limits>
@@ -177,6 +178,25 @@ TYPED_TEST(PolarLaw, BatchAgreesWithTheRobustForm) {
     if (f.determinant() < 0 || sigma[2] < 0.1) continue;  // the rotation itself is ill-determined there
     ASSERT_LT((extract_rotation<Polar, Scalar>(f) - polar_robust<Scalar>(f)).norm(),
               100 * std::numeric_limits<Scalar>::epsilon());
+  }
+}
+
+/// Our Jacobi rotations against Eigen's symmetric QR, matrices with equal eigenvalues included: the vector reaches the
+/// largest eigenvalue.
+TYPED_TEST(PolarLaw, DominantEigenvectorAgreesWithEigen) {
+  using Scalar = TypeParam;
+  using Matrix = Eigen::Matrix<double, 4, 4>;
+  Random random(6);
+  for (int i = 0; i < 20'000; ++i) {
+    Matrix k;
+    for (int r = 0; r < 4; ++r)
+      for (int c = 0; c <= r; ++c) k(r, c) = k(c, r) = i % 3 == 0 ? std::round(random.normal()) : random.normal();
+    const Eigen::Matrix<double, 4, 1> v =
+        detail::dominant_eigenvector<Scalar>(k.template cast<Scalar>()).template cast<double>();
+    const double largest = Eigen::SelfAdjointEigenSolver<Matrix>(k, Eigen::EigenvaluesOnly).eigenvalues()[3];
+    const double tolerance = 32 * static_cast<double>(std::numeric_limits<Scalar>::epsilon());
+    ASSERT_NEAR(v.norm(), 1, tolerance);
+    ASSERT_LT(largest - v.dot(k * v), tolerance * (1 + k.norm()));
   }
 }
 

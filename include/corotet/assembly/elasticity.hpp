@@ -46,8 +46,8 @@ class Elasticity {
       const auto [lambda, mu] = lame(materials.of_element(at(e)));
       Batch& batch = batches_[at(e / lane_count<Scalar>)];
       const int l = e % lane_count<Scalar>;
-      batch.lambda[l] = static_cast<Scalar>(lambda);
-      batch.mu[l] = static_cast<Scalar>(mu);
+      batch.lambda.set(l, static_cast<Scalar>(lambda));
+      batch.mu.set(l, static_cast<Scalar>(mu));
       for (std::size_t q = 0; q < points; ++q)
         stiffness_[at(e)][q] = {batch.lambda[l] * batch.point[q].volume[l], batch.mu[l] * batch.point[q].volume[l]};
     }
@@ -75,8 +75,10 @@ class Elasticity {
       for (std::size_t q = 0; q < points; ++q) {
         const Strain e = strain(f[q], r[q]);
         const Lanes<Scalar> trace = e[0] + e[1] + e[2];
-        const Lanes<Scalar> density = batch.mu * e.squared_norm() + Scalar(0.5) * batch.lambda * trace * trace;
-        sum += (batch.point[q].volume * density).template cast<double>().sum();
+        const Lanes<Scalar> density =
+            batch.mu * e.squared_norm() + Lanes<Scalar>(Scalar(0.5)) * batch.lambda * trace * trace;
+        const Lanes<Scalar> energy = batch.point[q].volume * density;
+        for (int l = 0; l < lane_count<Scalar>; ++l) sum += static_cast<double>(energy[l]);
       }
     }
     return sum;
@@ -108,7 +110,7 @@ class Elasticity {
   struct Strain : std::array<Lanes<Scalar>, 6> {
     [[nodiscard]] Lanes<Scalar> squared_norm() const {
       const Strain& e = *this;
-      return e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + Scalar(2) * (e[3] * e[3] + e[4] * e[4] + e[5] * e[5]);
+      return e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + Lanes<Scalar>(2) * (e[3] * e[3] + e[4] * e[4] + e[5] * e[5]);
     }
   };
 
@@ -116,7 +118,8 @@ class Elasticity {
     Batch& batch = batches_[at(e / lane_count<Scalar>)];
     const int l = e % lane_count<Scalar>;
     const bool exists = e < elements_;
-    batch.lambda[l] = batch.mu[l] = 0;
+    batch.lambda.set(l, 0);
+    batch.mu.set(l, 0);
     for (std::size_t a = 0; a < nodes; ++a) batch.vertex[a][at(l)] = exists ? mesh.element(e)[a] : 0;
     for (std::size_t q = 0; q < points; ++q) {
       Mat3<double> jacobian = Mat3<double>::Identity();
@@ -129,7 +132,7 @@ class Elasticity {
         weight = Element::stiffness_points[q].weight;
       }
       batch.point[q].inverse_jacobian.set_lane(l, jacobian.inverse().template cast<Scalar>());
-      batch.point[q].volume[l] = static_cast<Scalar>(weight * jacobian.determinant());
+      batch.point[q].volume.set(l, static_cast<Scalar>(weight * jacobian.determinant()));
     }
   }
 
@@ -140,17 +143,17 @@ class Elasticity {
     batch.gather(displacement.data(), u);
     for (std::size_t q = 0; q < points; ++q) batch.displacement_gradient(q, u, f[q]);
     for (std::size_t q = 0; q < points; ++q)
-      for (int i = 0; i < 3; ++i) f[q](i, i) += Scalar(1);
+      for (int i = 0; i < 3; ++i) f[q](i, i) += 1;
     if constexpr (Rotation::per_element && points > 1) {
       Lanes<Scalar> volume = batch.point[0].volume;
       for (std::size_t q = 1; q < points; ++q) volume += batch.point[q].volume;
-      volume = (volume > 0).select(volume, Lanes<Scalar>::Ones());
+      volume = select(volume > 0, volume, Lanes<Scalar>(1));
       Mat3Lanes<Scalar> mean;
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
           mean(i, j) = batch.point[0].volume * f[0](i, j);
           for (std::size_t q = 1; q < points; ++q) mean(i, j) += batch.point[q].volume * f[q](i, j);
-          mean(i, j) /= volume;
+          mean(i, j) = mean(i, j) / volume;
         }
       Rotation::extract(mean, r[0]);
       for (std::size_t q = 1; q < points; ++q) r[q] = r[0];
@@ -171,7 +174,7 @@ class Elasticity {
     for (int i = 0; i < 3; ++i) e[at(i)] = product(i, i);
     for (int i = 0; i < 3; ++i) {
       const int j = (i + 1) % 3, k = (i + 2) % 3;
-      e[at(3 + i)] = Scalar(0.5) * (product(j, k) + product(k, j));
+      e[at(3 + i)] = Lanes<Scalar>(Scalar(0.5)) * (product(j, k) + product(k, j));
     }
     return e;
   }
@@ -185,19 +188,17 @@ class Elasticity {
 
     std::array<Vec3Lanes<Scalar>, nodes> force;
     for (Vec3Lanes<Scalar>& node : force)
-      for (L& component : node) component.setZero();
-    Eigen::Array<bool, lane_count<Scalar>, 1> inverted;
-    inverted.setConstant(false);
-    L largest_strain2 = L::Zero(), least_trace = L::Constant(3);
+      for (L& component : node) component = 0;
+    L largest_strain2 = 0, least_trace = 3, least_determinant = 1;
     const Index first = b * lane_count<Scalar>;
     const int used = static_cast<int>(std::min<Index>(lane_count<Scalar>, elements_ - first));
 
     for (std::size_t q = 0; q < points; ++q) {
       const Mat3Lanes<Scalar>&fq = f[q], &rq = r[q];
       const Strain e = strain(fq, rq);
-      largest_strain2 = largest_strain2.max(e.squared_norm());
-      least_trace = least_trace.min(rq(0, 0) + rq(1, 1) + rq(2, 2));
-      inverted = inverted || !(determinant(fq) > 0);
+      largest_strain2 = max(largest_strain2, e.squared_norm());
+      least_trace = min(least_trace, rq(0, 0) + rq(1, 1) + rq(2, 2));
+      least_determinant = min(least_determinant, determinant(fq));
 
       const Mat3Lanes<Scalar>& inverse = batch.point[q].inverse_jacobian;
       Mat3Lanes<Scalar> stress, rotated, rotated_stress, natural_stress;
@@ -210,7 +211,7 @@ class Elasticity {
 
       for (std::size_t a = 0; a < nodes; ++a)
         for (std::size_t i = 0; i < 3; ++i) {
-          L gradient = L::Zero();
+          L gradient = 0;
           for (std::size_t c = 0; c < 3; ++c) {
             Batch::add_gradient(q, a, c, rotated.entry[i][c], gradient);
             Batch::add_gradient(q, a, c, natural_stress.entry[i][c], force[a][i]);
@@ -221,9 +222,11 @@ class Elasticity {
     for (std::size_t a = 0; a < nodes; ++a)
       for (int i = 0; i < 3; ++i)
         for (int l = 0; l < used; ++l) out.force[at(first + l)][a][i] = force[a][at(i)][l];
-    for (int l = 0; l < used; ++l) extremes.inverted_elements += inverted[l] ? 1 : 0;
-    extremes.largest_strain2 = std::max<double>(extremes.largest_strain2, largest_strain2.head(used).maxCoeff());
-    extremes.least_rotation_trace = std::min<double>(extremes.least_rotation_trace, least_trace.head(used).minCoeff());
+    for (int l = 0; l < used; ++l) {
+      extremes.inverted_elements += least_determinant[l] > 0 ? 0 : 1;
+      extremes.largest_strain2 = std::max<double>(extremes.largest_strain2, largest_strain2[l]);
+      extremes.least_rotation_trace = std::min<double>(extremes.least_rotation_trace, least_trace[l]);
+    }
   }
 
   static Lanes<Scalar> determinant(const Mat3Lanes<Scalar>& m) {
@@ -233,7 +236,7 @@ class Elasticity {
 
   /// Minus the stress times the volume: -V (2 mu e + lambda tr(e) I).
   static void scaled_stress(const Batch& batch, std::size_t q, const Strain& e, Mat3Lanes<Scalar>& s) {
-    const Lanes<Scalar> two_mu = Scalar(-2) * batch.mu * batch.point[q].volume;
+    const Lanes<Scalar> two_mu = Lanes<Scalar>(-2) * batch.mu * batch.point[q].volume;
     const Lanes<Scalar> pressure = batch.lambda * batch.point[q].volume * (e[0] + e[1] + e[2]);
     for (int i = 0; i < 3; ++i) {
       const int j = (i + 1) % 3, k = (i + 2) % 3;

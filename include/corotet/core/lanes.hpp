@@ -1,10 +1,13 @@
 // Batches: the same quantity of several elements side by side, so that one instruction serves all of them.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
+#include <bit>
+#include <cmath>
 #include <concepts>
+#include <corotet/core/simd_pack.hpp>
 #include <corotet/core/types.hpp>
+#include <cstring>
 
 namespace corotet {
 
@@ -13,9 +16,105 @@ namespace corotet {
 template <std::floating_point Scalar>
 inline constexpr int lane_count = sizeof(Scalar) <= 4 ? 16 : 8;
 
-/// One scalar of each element in a batch. Eigen maps it to whatever vector instructions the compiler is allowed to use.
+/// One truth value of each element in a batch.
 template <std::floating_point Scalar>
-using Lanes = Eigen::Array<Scalar, lane_count<Scalar>, 1>;
+class LaneMask {
+ public:
+  using Integer = detail::MaskInteger<Scalar>;
+  using Bits = detail::Pack<Integer, lane_count<Scalar>>;
+
+  COROTET_ALWAYS_INLINE explicit LaneMask(const Bits& bits) : bits_(bits) {}
+
+  [[nodiscard]] const Bits& bits() const { return bits_; }
+  [[nodiscard]] bool operator[](int lane) const {
+    return std::bit_cast<std::array<Integer, lane_count<Scalar>>>(bits_)[at(lane)] != 0;
+  }
+  [[nodiscard]] bool all() const {
+    Integer both = -1;
+    for (const Integer bit : std::bit_cast<std::array<Integer, lane_count<Scalar>>>(bits_)) both &= bit;
+    return both != 0;
+  }
+
+  friend COROTET_ALWAYS_INLINE LaneMask operator&(const LaneMask& a, const LaneMask& b) {
+    return LaneMask(detail::map<Bits>([](const auto& x, const auto& y) { return x & y; }, a.bits_, b.bits_));
+  }
+
+ private:
+  Bits bits_;
+};
+
+/// One scalar of each element in a batch, with the arithmetic of a scalar, lane by lane.
+template <std::floating_point Scalar>
+class alignas(64) Lanes {
+ public:
+  static constexpr int size = lane_count<Scalar>;
+  using Mask = LaneMask<Scalar>;
+
+  Lanes() = default;
+  /// The same number in all lanes.
+  COROTET_ALWAYS_INLINE Lanes(Scalar value) : pack_(value) {}  // NOLINT(google-explicit-constructor): as a scalar
+
+  [[nodiscard]] Scalar operator[](int lane) const { return values()[at(lane)]; }
+  [[nodiscard]] std::array<Scalar, size> values() const { return std::bit_cast<std::array<Scalar, size>>(pack_); }
+  void set(int lane, Scalar value) {
+    std::memcpy(reinterpret_cast<char*>(&pack_) + at(lane) * sizeof(Scalar), &value, sizeof(Scalar));
+  }
+
+  COROTET_ALWAYS_INLINE Lanes& operator+=(const Lanes& b) { return *this = *this + b; }
+  COROTET_ALWAYS_INLINE Lanes& operator-=(const Lanes& b) { return *this = *this - b; }
+
+  friend COROTET_ALWAYS_INLINE Lanes operator+(const Lanes& a, const Lanes& b) {
+    return map([](const auto& x, const auto& y) { return x + y; }, a, b);
+  }
+  friend COROTET_ALWAYS_INLINE Lanes operator-(const Lanes& a, const Lanes& b) {
+    return map([](const auto& x, const auto& y) { return x - y; }, a, b);
+  }
+  friend COROTET_ALWAYS_INLINE Lanes operator*(const Lanes& a, const Lanes& b) {
+    return map([](const auto& x, const auto& y) { return x * y; }, a, b);
+  }
+  friend COROTET_ALWAYS_INLINE Lanes operator/(const Lanes& a, const Lanes& b) {
+    return map([](const auto& x, const auto& y) { return x / y; }, a, b);
+  }
+  friend COROTET_ALWAYS_INLINE Lanes operator-(const Lanes& a) {
+    return map([](const auto& x) { return -x; }, a);
+  }
+  friend COROTET_ALWAYS_INLINE Mask operator<(const Lanes& a, const Lanes& b) {
+    constexpr auto less = [](const auto& x, const auto& y) {
+      if constexpr (std::is_arithmetic_v<std::remove_cvref_t<decltype(x)>>)
+        return static_cast<typename Mask::Integer>(x < y ? -1 : 0);
+      else
+        return x < y;
+    };
+    return Mask(detail::map<typename Mask::Bits>(less, a.pack_, b.pack_));
+  }
+  friend COROTET_ALWAYS_INLINE Mask operator>(const Lanes& a, const Lanes& b) { return b < a; }
+
+  /// a where the mask is true, b elsewhere.
+  friend COROTET_ALWAYS_INLINE Lanes select(const Mask& mask, const Lanes& a, const Lanes& b) {
+    return Lanes(detail::map<Pack>([](const auto& x, const auto& y, const auto& m) { return m ? x : y; }, a.pack_,
+                                   b.pack_, mask.bits()));
+  }
+  friend COROTET_ALWAYS_INLINE Lanes max(const Lanes& a, const Lanes& b) { return select(b < a, a, b); }
+  friend COROTET_ALWAYS_INLINE Lanes min(const Lanes& a, const Lanes& b) { return select(a < b, a, b); }
+  friend COROTET_ALWAYS_INLINE Lanes abs(const Lanes& a) { return select(a < Lanes(0), -a, a); }
+  friend Lanes sqrt(const Lanes& a) {
+    std::array<Scalar, size> root = a.values();
+    for (Scalar& x : root) x = std::sqrt(x);
+    return Lanes(std::bit_cast<Pack>(root));
+  }
+
+ private:
+  using Pack = detail::Pack<Scalar, size>;
+
+  COROTET_ALWAYS_INLINE explicit Lanes(const Pack& pack) : pack_(pack) {}
+
+  template <class Function, class... L>
+  COROTET_ALWAYS_INLINE static Lanes map(const Function& f, const L&... lanes) {
+    return Lanes(detail::map<Pack>(f, lanes.pack_...));
+  }
+
+  Pack pack_;
+};
 
 /// A 3-vector of each element in a batch: [component], lane.
 template <std::floating_point Scalar>
@@ -26,8 +125,12 @@ template <std::floating_point Scalar>
 struct Mat3Lanes {
   std::array<std::array<Lanes<Scalar>, 3>, 3> entry;
 
-  [[nodiscard]] Lanes<Scalar>& operator()(int row, int column) { return entry[at(row)][at(column)]; }
-  [[nodiscard]] const Lanes<Scalar>& operator()(int row, int column) const { return entry[at(row)][at(column)]; }
+  [[nodiscard]] COROTET_ALWAYS_INLINE Lanes<Scalar>& operator()(int row, int column) {
+    return entry[at(row)][at(column)];
+  }
+  [[nodiscard]] COROTET_ALWAYS_INLINE const Lanes<Scalar>& operator()(int row, int column) const {
+    return entry[at(row)][at(column)];
+  }
 
   /// The matrix in one lane.
   [[nodiscard]] Mat3<Scalar> lane(int l) const {
@@ -39,7 +142,7 @@ struct Mat3Lanes {
 
   void set_lane(int l, const Mat3<Scalar>& m) {
     for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 3; ++c) (*this)(r, c)[l] = m(r, c);
+      for (int c = 0; c < 3; ++c) (*this)(r, c).set(l, m(r, c));
   }
 };
 

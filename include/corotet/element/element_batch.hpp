@@ -34,7 +34,7 @@ struct ElementBatch {
     for (std::size_t a = 0; a < Element::nodes; ++a)
       for (std::size_t l = 0; l < lane_count<Scalar>; ++l) {
         const Vec3<Scalar>& d = displacement[vertex[a][l]];
-        for (int i = 0; i < 3; ++i) u[a][at(i)][static_cast<Eigen::Index>(l)] = d[i];
+        for (int i = 0; i < 3; ++i) u[a][at(i)].set(static_cast<int>(l), d[i]);
       }
   }
 
@@ -43,7 +43,7 @@ struct ElementBatch {
                              Mat3Lanes<Scalar>& h) const {
     Mat3Lanes<Scalar> natural;  // du/dxi
     for (int i = 0; i < 3; ++i)
-      for (int c = 0; c < 3; ++c) natural(i, c).setZero();
+      for (int c = 0; c < 3; ++c) natural(i, c) = 0;
     for (std::size_t a = 0; a < Element::nodes; ++a)
       for (std::size_t c = 0; c < 3; ++c)
         for (std::size_t i = 0; i < 3; ++i) add_gradient(q, a, c, u[a][i], natural.entry[i][c]);
@@ -61,7 +61,7 @@ struct ElementBatch {
     if constexpr (Element::order == 1)
       gradient > 0 ? sum += value : sum -= value;
     else
-      sum += gradient * value;
+      sum += Lanes<Scalar>(gradient) * value;
   }
 };
 

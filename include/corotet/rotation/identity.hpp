@@ -13,7 +13,7 @@ struct Identity {
   template <std::floating_point Scalar>
   static void extract(const Mat3Lanes<Scalar>& /*f*/, Mat3Lanes<Scalar>& r) {
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) r(i, j) = Scalar(i == j ? 1 : 0);
+      for (int j = 0; j < 3; ++j) r(i, j) = Lanes<Scalar>(i == j ? 1 : 0);
   }
 };
 

@@ -21,18 +21,17 @@ struct Polar {
   template <std::floating_point Scalar>
   static void extract(const Mat3Lanes<Scalar>& f, Mat3Lanes<Scalar>& r) {
     using L = Lanes<Scalar>;
-    using Mask = Eigen::Array<bool, lane_count<Scalar>, 1>;
     constexpr Scalar epsilon = std::numeric_limits<Scalar>::epsilon();
 
     // Entries of order one, whatever the units and however flat the element.
-    L largest = f(0, 0).abs();
+    L largest = abs(f(0, 0));
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) largest = largest.max(f(i, j).abs());
-    Mask sure = largest > lowest<Scalar>() && largest < highest<Scalar>();
-    const L scale = sure.select(largest, L::Ones()).inverse();
+      for (int j = 0; j < 3; ++j) largest = max(largest, abs(f(i, j)));
+    LaneMask<Scalar> sure = (largest > lowest<Scalar>()) & (largest < highest<Scalar>());
+    const L scale = L(1) / select(sure, largest, L(1));
     Mat3Lanes<Scalar> b;
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) b(i, j) = sure.select(f(i, j), L::Constant(i == j ? 1 : 0)) * scale;
+      for (int j = 0; j < 3; ++j) b(i, j) = select(sure, f(i, j), L(i == j ? 1 : 0)) * scale;
 
     Mat3Lanes<Scalar> cofactor;
     for (int i = 0; i < 3; ++i)
@@ -44,21 +43,22 @@ struct Polar {
     const L b2 = squared_norm(b), cofactor2 = squared_norm(cofactor);
 
     // lambda = tr S, the largest root of (lambda^2 - |B|^2)^2 - 8 lambda det B - 4 |cof B|^2.
-    L lambda = (Scalar(3) * b2).sqrt();
+    const L bound = sqrt(L(3) * b2);  // s1 + s2 + s3 <= sqrt 3 |B|
+    L lambda = bound;
     for (int iteration = 0; iteration < 12; ++iteration) {
       const L excess = lambda * lambda - b2;
-      const L value = excess * excess - Scalar(8) * lambda * det - Scalar(4) * cofactor2;
-      const L slope = Scalar(4) * lambda * excess - Scalar(8) * det;
-      const L step = (slope > epsilon).select(value / (slope > epsilon).select(slope, L::Ones()), L::Zero());
+      const L value = excess * excess - L(8) * lambda * det - L(4) * cofactor2;
+      const L slope = L(4) * lambda * excess - L(8) * det;
+      const L step = select(slope > epsilon, value, L(0)) / select(slope > epsilon, slope, L(1));
       lambda -= step;
-      if ((step.abs() <= 2 * epsilon * lambda).all()) break;
+      if ((abs(step) < L(2 * epsilon) * lambda).all()) break;
     }
 
     // zeta = (s1+s2)(s2+s3)(s3+s1): what the closed form divides by.
-    const L kappa = Scalar(0.5) * (lambda * lambda - b2);
+    const L kappa = L(Scalar(0.5)) * (lambda * lambda - b2);
     const L zeta = kappa * lambda - det;
-    sure = sure && zeta > smallest_zeta<Scalar>() * b2 * b2.sqrt();
-    const L inverse_zeta = sure.select(zeta, L::Ones()).inverse();
+    sure = sure & (zeta > L(smallest_zeta<Scalar>()) * b2 * bound);
+    const L inverse_zeta = L(1) / select(sure, zeta, L(1));
     Mat3Lanes<Scalar> btb;
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) btb(i, j) = b(0, i) * b(0, j) + b(1, i) * b(1, j) + b(2, i) * b(2, j);
@@ -68,7 +68,7 @@ struct Polar {
         r(i, j) = ((kappa + b2) * b(i, j) + lambda * cofactor(i, j) - bbtb) * inverse_zeta;
       }
 
-    sure = sure && polish(r);
+    sure = sure & polish(r);
     if (!sure.all())
       for (int l = 0; l < lane_count<Scalar>; ++l)
         if (!sure[l]) r.set_lane(l, polar_robust<Scalar>(f.lane(l)));
@@ -85,15 +85,15 @@ struct Polar {
   /// One Newton-Schulz step, R <- R (3I - R^T R)/2: squares the distance from orthogonality. False in the lanes where
   /// that distance was too large to trust R.
   template <std::floating_point Scalar>
-  static Eigen::Array<bool, lane_count<Scalar>, 1> polish(Mat3Lanes<Scalar>& r) {
+  static LaneMask<Scalar> polish(Mat3Lanes<Scalar>& r) {
     using L = Lanes<Scalar>;
     Mat3Lanes<Scalar> correction;
-    L distance = L::Zero();
+    L distance = 0;
     for (int i = 0; i < 3; ++i)
       for (int j = i; j < 3; ++j) {
-        const L error = r(0, i) * r(0, j) + r(1, i) * r(1, j) + r(2, i) * r(2, j) - Scalar(i == j ? 1 : 0);
-        distance = distance.max(error.abs());
-        correction(i, j) = Scalar(-0.5) * error;
+        const L error = r(0, i) * r(0, j) + r(1, i) * r(1, j) + r(2, i) * r(2, j) - L(i == j ? 1 : 0);
+        distance = max(distance, abs(error));
+        correction(i, j) = L(Scalar(-0.5)) * error;
         correction(j, i) = correction(i, j);
       }
     for (int i = 0; i < 3; ++i) {
@@ -112,10 +112,11 @@ struct Polar {
   static constexpr Scalar highest() {
     return std::numeric_limits<Scalar>::max() / 4;
   }
-  // Below this zeta (relative to |B|^3; 1.5 for a rotation) the closed form keeps fewer digits than polar_robust.
+  // Below this zeta (relative to sqrt 3 |B|^3; 0.9 for a rotation) the closed form keeps fewer digits than
+  // polar_robust.
   template <std::floating_point Scalar>
   static constexpr Scalar smallest_zeta() {
-    return Scalar(0.02);
+    return Scalar(0.01);
   }
   // Leaves a rotation orthonormal to rounding after one polish.
   template <std::floating_point Scalar>
