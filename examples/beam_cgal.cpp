@@ -4,7 +4,7 @@
 // too. The library corotet is under the MIT licence: it neither needs CGAL nor includes or links it. Built with
 // -DCOROTET_BUILD_GPL_EXAMPLES=ON only.
 //
-//   beam_cgal [edge length / beam thickness, default 0.5]
+//   beam_cgal [edge length / beam thickness, default 0.5] [file.mesh, to keep the mesh as CGAL writes it]
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Mesh_complex_3_in_triangulation_3.h>
 #include <CGAL/Mesh_criteria_3.h>
@@ -15,11 +15,15 @@
 #include <CGAL/make_mesh_3.h>
 
 #include <cmath>
+#include <corotet/mesh/io/read_medit.hpp>
 #include <corotet/mesh/raise_order.hpp>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <sstream>
-#include <unordered_map>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "self_weight_beam.hpp"
 
@@ -48,7 +52,25 @@ Outline make_outline() {
   return outline;
 }
 
-MeshData mesh_beam(double edge_length) {
+/// Four vertices of a flat face of the outline may form a cell without volume, which TetMesh would refuse. It lies in
+/// the face, so nothing is lost with it.
+MeshData without_flat_cells(MeshData mesh, double edge_length) {
+  const double least_volume = 1e-4 * std::pow(edge_length, 3);
+  std::vector<Index> kept;
+  for (std::size_t first = 0; first < mesh.connectivity.size(); first += 4) {
+    const Index* cell = &mesh.connectivity[first];
+    const auto edge = [&](int a) { return (mesh.positions[at(cell[a])] - mesh.positions[at(cell[0])]).eval(); };
+    if (std::abs(edge(1).cross(edge(2)).dot(edge(3))) / 6 >= least_volume) kept.insert(kept.end(), cell, cell + 4);
+  }
+  const std::size_t left_out = (mesh.connectivity.size() - kept.size()) / 4;
+  if (left_out > 0) std::printf("left out %zu flat cells on the faces\n", left_out);
+  mesh.connectivity = std::move(kept);
+  mesh.regions.clear();
+  return remove_unreferenced(std::move(mesh));
+}
+
+/// Also writes the mesh to `path`, as CGAL writes it, if that is not empty.
+MeshData mesh_beam(double edge_length, const std::string& path) {
   namespace parameter = CGAL::parameters;
   Outline outline = make_outline();
   Domain domain(outline);
@@ -60,27 +82,16 @@ MeshData mesh_beam(double edge_length) {
   const auto complex = CGAL::make_mesh_3<Complex>(domain, criteria, parameter::perturb(parameter::time_limit = 0),
                                                   parameter::exude(parameter::time_limit = 0));
 
-  MeshData mesh;
-  int flat_cells = 0;
-  std::unordered_map<Triangulation::Vertex_handle, Index> vertex;
-  for (auto cell = complex.cells_in_complex_begin(); cell != complex.cells_in_complex_end(); ++cell) {
-    // Four vertices of a flat face of the outline may form a cell without volume, which TetMesh would refuse. It lies
-    // in the face, so nothing is lost with it.
-    if (std::abs(complex.triangulation().tetrahedron(cell).volume()) < 1e-4 * std::pow(edge_length, 3)) {
-      ++flat_cells;
-      continue;
-    }
-    for (int i = 0; i < 4; ++i) {
-      const auto [found, is_new] = vertex.try_emplace(cell->vertex(i), mesh.vertex_count());
-      if (is_new) {
-        const auto& p = cell->vertex(i)->point();
-        mesh.positions.emplace_back(p.x(), p.y(), p.z());
-      }
-      mesh.connectivity.push_back(found->second);
-    }
+  // The way a mesh comes from CGAL in a file, too: in Medit's format.
+  std::ostringstream file;
+  complex.output_to_medit(file);
+  if (!path.empty()) std::ofstream(path) << file.str();
+  Result<MeshData> mesh = read_medit(file.str(), "CGAL's mesh");
+  if (!mesh) {
+    std::fprintf(stderr, "%s\n", mesh.error().message().c_str());
+    return {};
   }
-  if (flat_cells > 0) std::printf("left out %d flat cells on the faces\n", flat_cells);
-  return mesh;
+  return without_flat_cells(*std::move(mesh), edge_length);
 }
 
 }  // namespace
@@ -88,6 +99,6 @@ MeshData mesh_beam(double edge_length) {
 int main(int argc, char** argv) {
   const double edge_length = beam::thickness * (argc > 1 ? std::atof(argv[1]) : 0.5);
   if (!(edge_length > 0)) return std::fprintf(stderr, "the edge length must be positive\n"), 2;
-  const MeshData mesh = mesh_beam(edge_length);
+  const MeshData mesh = mesh_beam(edge_length, argc > 2 ? argv[2] : "");
   return beam::sag<Tet4>(mesh) && beam::sag<Tet10>(raise_order(mesh)) ? 0 : 1;
 }

@@ -31,6 +31,18 @@ void expect_volumes(const MeshData& mesh, const std::map<int, double>& expected,
   }
 }
 
+/// CGAL's Medit file of a beam: it fills the box, apart from the four flat cells that CGAL leaves on the faces.
+TEST(RealFiles, CgalCommitted) {
+  const auto mesh = read_mesh(data_dir() / "real/medit/cgal.mesh");
+  ASSERT_TRUE(mesh) << mesh.error().message();
+  EXPECT_EQ(mesh->vertex_count(), 245);
+  EXPECT_EQ(mesh->element_count(), 589);
+  double volume = 0;
+  for (Index e = 0; e < mesh->element_count(); ++e)
+    volume += detail::corner_volume(mesh->positions, &mesh->connectivity[at(4 * e)]);
+  EXPECT_NEAR(volume, 0.01, 1e-12);
+}
+
 /// All files of the two cubes: four .msh variants of one order hold the same mesh; physical groups are the regions.
 void check_gmsh_folder(const std::filesystem::path& folder) {
   for (const std::string order : {"1", "2"}) {
