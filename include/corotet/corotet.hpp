@@ -81,6 +81,7 @@
 #include <corotet/solve/block_cholesky.hpp>
 #include <corotet/solve/block_jacobi.hpp>
 #include <corotet/solve/dot.hpp>
+#include <corotet/solve/fill_reducing_order.hpp>
 #include <corotet/solve/pcg.hpp>
 #include <corotet/solve/refinement.hpp>
 #include <corotet/solve/solver.hpp>

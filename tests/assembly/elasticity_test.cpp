@@ -8,6 +8,7 @@
 #include <corotet/rotation/polar.hpp>
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <memory>
 

@@ -2,11 +2,10 @@
 #pragma once
 
 #include <Eigen/Cholesky>
-#include <Eigen/OrderingMethods>
-#include <Eigen/SparseCore>
 #include <algorithm>
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/types.hpp>
+#include <corotet/solve/fill_reducing_order.hpp>
 #include <limits>
 #include <vector>
 
@@ -24,7 +23,7 @@ class BlockCholesky {
   /// Ordering, elimination tree and pattern of L. O(|L|) memory for the blocks of L comes with `allocate()`.
   void analyze(const BlockPattern& pattern) {
     const Index n = pattern.rows();
-    find_order(pattern);
+    order_ = fill_reducing_order(pattern);
     find_rows_of_upper(pattern);
     find_tree(n);
     count_columns(n);
@@ -102,20 +101,6 @@ class BlockCholesky {
     Index row;   ///< permuted, <= the column that lists it
     Index slot;  ///< in the matrix, of block (column, row)
   };
-
-  void find_order(const BlockPattern& pattern) {
-    const Index n = pattern.rows();
-    Eigen::SparseMatrix<char, Eigen::ColMajor, Index> graph(n, n);
-    graph.reserve(Eigen::VectorXi::Map(pattern.row_start.data() + 1, n) -
-                  Eigen::VectorXi::Map(pattern.row_start.data(), n));
-    for (Index i = 0; i < n; ++i)
-      for (Index k = pattern.row_start[at(i)]; k < pattern.row_start[at(i) + 1]; ++k)
-        graph.insert(pattern.column[at(k)], i) = 1;
-    graph.makeCompressed();
-    Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, Index> permutation;
-    Eigen::AMDOrdering<Index>()(graph, permutation);
-    order_.assign(permutation.indices().data(), permutation.indices().data() + n);
-  }
 
   void find_rows_of_upper(const BlockPattern& pattern) {
     std::vector<Index> place(order_.size());
