@@ -152,6 +152,22 @@ TEST(ReadVega, NumbersFrom0And1SetsAndRegions) {
   expect_two_tets(read_mesh(data_dir() / "vega/two_tets_from0.veg"));
 }
 
+// A file of n bytes may name a set of n/4 elements in n/4 regions: the work is n, not its square, if each set is used
+// up by the first region that looks at it.
+TEST(ReadVega, ASetIsLookedAtOnceHoweverManyRegionsNameIt) {
+  detail::VegaFile file;
+  const std::size_t elements = 100, regions = 50;
+  file.sink.mesh.regions.assign(elements, 0);
+  for (std::size_t e = 0; e < elements; ++e) file.sets[e < 60 ? "low" : "high"].push_back(static_cast<int>(e));
+  for (std::size_t r = 0; r < regions; ++r) file.regions.push_back({r % 2 == 0 ? "low" : "high", "rubber"});
+  file.regions.push_back({"high", "steel"});
+  detail::TextScanner in("", "a.veg", {});
+  detail::assign_vega_regions(in, file);
+  ASSERT_TRUE(in.ok());
+  for (std::size_t e = 0; e < elements; ++e) EXPECT_EQ(file.sink.mesh.regions[e], e < 60 ? 49 : 51) << e;
+  for (const auto& [name, left] : file.sets) EXPECT_TRUE(left.empty()) << name;
+}
+
 TEST(ReadTetGen, CommentsAttributesAndMarkers) {
   const std::string nodes =
       "# header\n5 3 2 1\n0 0 0 0 1.5 -2e3 7\n1 1 0 0 1 1 7 # comment\n\n2 0 1 0 0 0 7\n3 0 0 1 0 0 7\n4 1 1 1 0 0 7\n";

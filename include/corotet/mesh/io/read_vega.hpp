@@ -89,7 +89,8 @@ inline void assign_vega_regions(TextScanner& in, VegaFile& file) {
   for (std::size_t r = 0; r < file.regions.size(); ++r)
     file.sink.note("region " + std::to_string(r + 1) + " is set " + detail::quoted(file.regions[r].set) +
                    " of material " + detail::quoted(file.regions[r].material));
-  // Walks backwards, so that each element is given its last region once, however many regions there are.
+  // Walks backwards, so that each element is given its last region once; a set is emptied by its last region, so that
+  // it is looked at once, however many regions name it.
   for (std::size_t r = file.regions.size(); r-- > 0;) {
     const auto number = static_cast<int>(r + 1);
     if (file.regions[r].set == "allElements") {
@@ -109,6 +110,7 @@ inline void assign_vega_regions(TextScanner& in, VegaFile& file) {
                        ErrorCode::index_out_of_range);
       if (tags[static_cast<std::size_t>(e)] == 0) tags[static_cast<std::size_t>(e)] = number;
     }
+    set->second.clear();
   }
 }
 
