@@ -19,7 +19,7 @@ struct VertexBuffer {
   Index count = 0;                    ///< vertices in the buffer
   std::size_t position_offset = 0;    ///< bytes from the start of a vertex to its position, or `none`
   std::size_t normal_offset = none;   ///< the same for its normal
-  Vec3<double> translation{0, 0, 0};  ///< m, added to each position before it is rounded to float
+  Vec3<double> translation{0, 0, 0};  ///< m, added to each position in the body's precision
 
   /// Whether the attribute at `offset` lies within a vertex.
   [[nodiscard]] bool fits(std::size_t offset) const {
