@@ -13,8 +13,14 @@ install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 configure_package_config_file(cmake/corotet-config.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/corotet-config.cmake
                               INSTALL_DESTINATION ${package_dir})
+# Before 1.0 a minor version may change the interface.
+if(PROJECT_VERSION_MAJOR EQUAL 0)
+  set(compatibility SameMinorVersion)
+else()
+  set(compatibility SameMajorVersion)
+endif()
 write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/corotet-config-version.cmake
-                                 COMPATIBILITY SameMajorVersion ARCH_INDEPENDENT)
+                                 COMPATIBILITY ${compatibility} ARCH_INDEPENDENT)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/corotet-config.cmake
               ${CMAKE_CURRENT_BINARY_DIR}/corotet-config-version.cmake
               cmake/corotet-dependencies.cmake

@@ -10,6 +10,7 @@
 #include <corotet/core/assert.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/lanes.hpp>
+#include <corotet/core/number_text.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/simd_pack.hpp>
 #include <corotet/core/types.hpp>

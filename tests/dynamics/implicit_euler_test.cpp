@@ -38,7 +38,7 @@ TEST(ImplicitEuler, ReproducesTheReferenceBeam) {
   for (const SolverMethod method : {SolverMethod::cholesky, SolverMethod::pcg}) {
     auto moving = body;
     ImplicitEuler euler(moving, SolverOptions{.method = method, .tolerance = 1e-9});
-    const Index tip = testing::nearest_vertex(moving.mesh(), {1, 0, 0});
+    const Index tip = moving.mesh().nearest_vertex({1, 0, 0});
     for (int step = 1; step <= 60; ++step) {
       ASSERT_TRUE(euler.step(moving, 1.0 / 60).ok());
       const double z = moving.displacements()[at(tip)].z();
@@ -122,6 +122,36 @@ TYPED_TEST(Dynamics, LinearMomentumOfAFreeBodyIsKept) {
   ImplicitEuler euler(body, SolverOptions{.tolerance = sizeof(Scalar) == 4 ? 1e-5 : 1e-12});
   for (int step = 0; step < 100; ++step) ASSERT_TRUE(euler.step(body, Scalar(0.01)).accepted());
   EXPECT_LT((momentum() - start).norm(), (sizeof(Scalar) == 4 ? 1e-3 : 1e-9) * start.norm());
+}
+
+/// A free block spun by h * omega = 0.02 and 0.1 rad a step keeps its angular momentum over three revolutions: one
+/// solve with the warped stiffness loses 0.14 % at 0.1, where converged backward Euler would lose a third.
+TYPED_TEST(Dynamics, AngularMomentumOfAFreeBodyIsKept) {
+  using Scalar = typename TypeParam::Scalar;
+  using Element = typename TypeParam::Element;
+  for (const double turn : {0.02, 0.1}) {
+    auto body = must(SoftBody<Scalar, Element>::create(
+        testing::block<Scalar, Element>({.corner = {-0.2, -0.15, -0.1}, .size = {0.4, 0.3, 0.2}, .cells = {3, 2, 2}}),
+        soft));
+    const double h = 1.0 / 60;
+    Field<Scalar> spin;
+    for (const auto& x : body.mesh().positions())
+      spin.push_back((turn / h * Vec3<double>::UnitZ().cross(x.template cast<double>())).template cast<Scalar>());
+    must(body.set_velocities(spin));
+    const auto momentum = [&] {
+      double sum = 0;
+      for (Index v = 0; v < body.vertex_count(); ++v)
+        sum += double(body.mass().row_sum(v)) *
+               body.position(v).template cast<double>().cross(body.velocities()[at(v)].template cast<double>()).z();
+      return sum;
+    };
+    const double start = momentum();
+    ImplicitEuler euler(body, SolverOptions{.tolerance = 1e-5});
+    const int steps = static_cast<int>(3 * 2 * std::numbers::pi / turn);
+    for (int step = 0; step < steps; ++step) ASSERT_TRUE(euler.step(body, Scalar(h)).accepted());
+    EXPECT_GT(momentum(), 0.99 * start) << "h omega = " << turn;
+    EXPECT_LT(momentum(), 1.01 * start) << "h omega = " << turn;
+  }
 }
 
 /// A free body in gravity falls as a point does under backward Euler: v = g t, x = g h^2 n (n + 1) / 2, undeformed.
@@ -215,6 +245,39 @@ TEST(LinearElasticity, GrowsWhereTheCorotationalBodyDoesNot) {
   EXPECT_NEAR(volume_ratio(Polar{}), 1, 0.05);
 }
 
+/// An integrator keeps what it evaluated at the end of a step. Whatever is done to the body in between, going back to a
+/// saved copy included, the next step must start from the state that is there.
+TEST(ImplicitEuler, StepsFromTheStateThatIsThereWhateverHappenedBefore) {
+  auto body = beam<double, Tet4>({4, 1, 1});
+  ImplicitEuler euler(body, exact);
+  const auto expect_as_if_fresh = [&](const char* what) {
+    auto copy = body;
+    ImplicitEuler fresh(copy, exact);
+    ASSERT_TRUE(fresh.step(copy, 0.01).accepted());
+    ASSERT_TRUE(euler.step(body, 0.01).accepted());
+    EXPECT_EQ(flat(body.velocities()), flat(copy.velocities())) << what;
+  };
+  const auto saved = body;
+  expect_as_if_fresh("first step");
+  expect_as_if_fresh("second step");
+  body = saved;
+  expect_as_if_fresh("after going back to a saved body");
+  body = saved;
+  must(body.set_displacements(testing::random_field<double>(body.vertex_count(), 0.01, 1)));
+  expect_as_if_fresh("after going back and moving it");
+  must(body.set_velocities(testing::random_field<double>(body.vertex_count(), 1, 2)));
+  expect_as_if_fresh("after a kick");
+  must(body.set_materials(Material{.young = 1e5, .poisson = 0.2, .density = 500}));
+  expect_as_if_fresh("after a change of material");
+  body.pins().release(body.pins().vertices().front());
+  expect_as_if_fresh("after letting go of a vertex");
+  EXPECT_FALSE(euler.step(body, -1).accepted());
+  expect_as_if_fresh("after a refusal");
+  auto moved = std::move(body);
+  body = std::move(moved);
+  expect_as_if_fresh("after a move");
+}
+
 // ---- bad input: refused by name, state untouched ----
 
 template <class Body>
@@ -287,6 +350,17 @@ TYPED_TEST(Dynamics, AnUnfinishedSolveIsSaid) {
   EXPECT_STRNE(report.advice(), "");
 }
 
+TYPED_TEST(Dynamics, SolverOptionsOutOfRangeAreRefused) {
+  using Scalar = typename TypeParam::Scalar;
+  auto body = beam<Scalar, typename TypeParam::Element>({2, 1, 1});
+  const auto before = body;
+  for (const double tolerance : {0.0, 1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    ImplicitEuler euler(body, SolverOptions{.method = SolverMethod::pcg, .tolerance = tolerance});
+    EXPECT_EQ(euler.step(body, Scalar(0.01)).refusal, Refusal::solver_options);
+    expect_untouched(body, before);
+  }
+}
+
 TYPED_TEST(Dynamics, InvertedElementsAreCountedInTheStateAfterTheStep) {
   using Scalar = typename TypeParam::Scalar;
   auto body = beam<Scalar, typename TypeParam::Element>({3, 1, 1});
@@ -317,6 +391,9 @@ TEST(SoftBody, RefusesBadMaterialsAndDampingByName) {
   for (const double bad : {0.5, 0.6, -1.0, -2.0, nan, infinity}) refused(Material{.poisson = bad}, {}, "poisson");
   refused(Material{}, {.damping = {.mass = -1, .stiffness = 0}}, "damping");
   refused(Material{}, {.damping = {.mass = 0, .stiffness = nan}}, "damping");
+  const auto too_stiff = SoftBody<float>::create(testing::block<float, Tet4>({}), Material{.young = 1e39});
+  ASSERT_FALSE(too_stiff.ok());
+  EXPECT_NE(too_stiff.error().message().find("precision"), std::string::npos);
   refused(std::vector<Material>(2), {}, "materials");
   std::vector<Material> one_bad(at(mesh.element_count()));
   one_bad[3].poisson = 0.5;

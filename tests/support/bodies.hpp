@@ -76,15 +76,4 @@ Field<Scalar> random_field(Index vertices, double size, unsigned seed) {
   return field;
 }
 
-/// The vertex nearest to a point.
-template <class Mesh>
-Index nearest_vertex(const Mesh& mesh, const Vec3<double>& point) {
-  Index best = 0;
-  for (Index v = 0; v < mesh.vertex_count(); ++v)
-    if ((mesh.position(v).template cast<double>() - point).norm() <
-        (mesh.position(best).template cast<double>() - point).norm())
-      best = v;
-  return best;
-}
-
 }  // namespace corotet::testing

@@ -40,6 +40,15 @@ class BlockMatrix {
     return sum;
   }
 
+  /// Sum over j of A_ij (x_j - x_i): (A x)_i for a matrix whose rows sum to zero, free of the rounding that a rigid
+  /// translation in x would cause.
+  [[nodiscard]] Vec3<Scalar> row_difference(Index row, const Field<Scalar>& x) const {
+    Vec3<Scalar> sum = Vec3<Scalar>::Zero();
+    for (Index k = pattern_->row_start[at(row)]; k < pattern_->row_start[at(row) + 1]; ++k)
+      sum += block_[at(k)] * (x[at(pattern_->column[at(k)])] - x[at(row)]);
+    return sum;
+  }
+
   /// y = A x. Both fields have `rows()` entries and do not alias.
   template <Executor E>
   void apply(const Field<Scalar>& x, Field<Scalar>& y, E& executor) const {

@@ -18,8 +18,8 @@
 
 namespace corotet {
 
-/// The elastic law of a body. Constant after construction; what depends on the displacement is written into an
-/// ElasticEvaluation, so that one law serves several bodies and threads.
+/// The elastic law of a body. What depends on the displacement is written into an ElasticEvaluation, so that one law
+/// can serve several bodies and threads.
 ///
 /// With S = R^T F at a quadrature point, strain e = sym(S) - I and stress s = 2 mu e + lambda tr(e) I, the energy is
 /// W = sum V (mu |e|^2 + lambda/2 tr(e)^2) and the force on node a is f_a = -sum V R s grad N_a, which equals

@@ -69,10 +69,10 @@ class Mass {
 
   /// (M x) of one vertex.
   [[nodiscard]] Vec3<Scalar> row_product(const BlockPattern& pattern, Index row, const Field<Scalar>& x) const {
-    if (model_ == MassModel::lumped) return factor_[at(row)] * x[at(row)];
-    Vec3<Scalar> sum = Vec3<Scalar>::Zero();
+    Vec3<Scalar> sum = row_sum_[at(row)] * x[at(row)];
+    if (model_ == MassModel::lumped) return sum;
     for (Index k = pattern.row_start[at(row)]; k < pattern.row_start[at(row) + 1]; ++k)
-      sum += factor_[at(k)] * x[at(pattern.column[at(k)])];
+      sum += factor_[at(k)] * (x[at(pattern.column[at(k)])] - x[at(row)]);
     return sum;
   }
 

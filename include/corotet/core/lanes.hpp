@@ -12,7 +12,7 @@
 namespace corotet {
 
 /// Elements in a batch: 16 in float, 8 in double (64 bytes). The same on every machine, whatever its vector width, so
-/// that layout and results do not depend on compiler flags.
+/// that layout does not depend on compiler flags. (Results may, in the last bit: -mfma fuses products and sums.)
 template <std::floating_point Scalar>
 inline constexpr int lane_count = sizeof(Scalar) <= 4 ? 16 : 8;
 

@@ -6,8 +6,8 @@
 #include <type_traits>
 
 // The vector extension of GCC and Clang costs almost no compile time (the same expressions over Eigen arrays took
-// several times as long). Elsewhere a value stands alone, and the optimiser finds the vectors as well as it can. Layout
-// and arithmetic are the same everywhere.
+// several times as long). Elsewhere a value stands alone, and the optimiser finds the vectors as well as it can. The
+// layout is the same everywhere.
 #if defined(__GNUC__)
 #define COROTET_ALWAYS_INLINE inline __attribute__((always_inline))
 #else

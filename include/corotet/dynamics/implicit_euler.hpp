@@ -30,7 +30,7 @@ class ImplicitEuler {
  public:
   using Scalar = typename Body::scalar_type;
 
-  /// Symbolic work and memory for bodies with the mesh of `body`.
+  /// Symbolic work and memory for `body` and its copies.
   explicit ImplicitEuler(const Body& body, Solver solver = Solver())
       : solver_(std::move(solver)),
         evaluation_(body.law()),
@@ -62,6 +62,7 @@ class ImplicitEuler {
     report.iterations = solve.iterations;
     report.residual = solve.residual;
     if (solve.status == SolveStatus::breakdown) return refuse(report, Refusal::solver_breakdown);
+    if (solve.status == SolveStatus::invalid_options) return refuse(report, Refusal::solver_options);
 
     observer(StepPhase::update);
     flat(velocity_) += flat(change_);
@@ -105,9 +106,8 @@ class ImplicitEuler {
   /// Brings `evaluation_` up to the body's displacement, unless it is there already from the end of the last step.
   template <Executor E>
   void evaluate(const Body& body, E& executor) {
-    if (evaluated_ == &body && revision_ == body.revision()) return;
+    if (revision_ == body.revision()) return;
     body.law().evaluate(body.displacements(), evaluation_, executor);
-    evaluated_ = &body;
     revision_ = body.revision();
   }
 
@@ -116,8 +116,9 @@ class ImplicitEuler {
   template <Executor E>
   void build_system(const Body& body, Scalar h, E& executor) {
     const auto [mass_damping, stiffness_damping] = body.damping();
-    assemble(body.law(), evaluation_, body.mass(), static_cast<Scalar>(1 + h * mass_damping),
-             static_cast<Scalar>(h * (h + stiffness_damping)), matrix_, executor);
+    const auto mass_factor = static_cast<Scalar>(1 + h * mass_damping);
+    assemble(body.law(), evaluation_, body.mass(), mass_factor, static_cast<Scalar>(h * (h + stiffness_damping)),
+             matrix_, executor);
 
     velocity_ = body.velocities();
     const auto& pinned = body.pins().vertices();
@@ -128,8 +129,10 @@ class ImplicitEuler {
       for (Index i = begin; i < end; ++i) {
         const Vec3<Scalar> force = evaluation_.vertex_force(*body.pattern(), i) + body.external_forces()[at(i)] +
                                    body.mass().row_sum(i) * body.gravity();
-        right_side_[at(i)] = body.mass().row_product(*body.pattern(), i, body.velocities()) + h * force -
-                             matrix_.row_product(i, velocity_);
+        // The rows of A sum to (1 + h a) times those of M, because those of K' sum to zero.
+        right_side_[at(i)] = body.mass().row_product(*body.pattern(), i, body.velocities()) -
+                             mass_factor * body.mass().row_sum(i) * velocity_[at(i)] -
+                             matrix_.row_difference(i, velocity_) + h * force;
       }
     });
     for (const Index v : pinned) {
@@ -142,8 +145,7 @@ class ImplicitEuler {
   typename Body::Law::Evaluation evaluation_;
   BlockMatrix<Scalar> matrix_;
   Field<Scalar> right_side_, change_, velocity_, displacement_;
-  const Body* evaluated_ = nullptr;
-  std::uint64_t revision_ = 0;
+  std::uint64_t revision_ = 0;  // of the state in evaluation_
 };
 
 }  // namespace corotet

@@ -17,6 +17,7 @@ class Pins {
   /// Holds `vertex` at a displacement; moves it there if it is pinned already. The first pin of a vertex may allocate.
   void pin(Index vertex, const Vec3<Scalar>& displacement) {
     COROTET_ASSERT(vertex >= 0 && vertex < size_of(slot_), "no such vertex");
+    if (vertex < 0 || vertex >= size_of(slot_)) return;
     if (slot_[at(vertex)] == none) {
       slot_[at(vertex)] = size_of(vertices_);
       vertices_.push_back(vertex);

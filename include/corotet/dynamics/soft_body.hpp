@@ -1,6 +1,7 @@
 // A soft body: what it is made of, where it is, how fast it moves, what holds it and what pulls at it.
 #pragma once
 
+#include <atomic>
 #include <cmath>
 #include <concepts>
 #include <corotet/assembly/block_pattern.hpp>
@@ -20,13 +21,24 @@
 
 namespace corotet {
 
+namespace detail {
+
+/// Different at every call, on any thread.
+[[nodiscard]] inline std::uint64_t new_revision() {
+  static std::atomic<std::uint64_t> last{0};
+  return last.fetch_add(1, std::memory_order_relaxed) + 1;
+}
+
+}  // namespace detail
+
 struct BodyOptions {
   MassModel mass = MassModel::lumped;
   RayleighDamping damping;
 };
 
-/// The state is a displacement from rest and a velocity, not a world position, so that float keeps its digits: all
-/// positions are relative to `mesh().origin()`. An integrator (ImplicitEuler) moves it.
+/// The state is a displacement from rest and a velocity, not a world position, so that float keeps its digits wherever
+/// the rest shape lies: all positions are relative to `mesh().origin()`. (A body that then travels many times its size
+/// has a large displacement, and loses them again.) An integrator (ImplicitEuler) moves it.
 template <std::floating_point Scalar, ReferenceElement Element = Tet4, RotationExtractor Rotation = Polar>
 class SoftBody {
  public:
@@ -38,7 +50,7 @@ class SoftBody {
   /// A body at rest in its rest shape, free of pins, gravity and forces.
   /// Errors: invalid_argument for a material (see Materials::check) or negative damping.
   [[nodiscard]] static Result<SoftBody> create(Mesh mesh, const Materials& materials, const BodyOptions& options = {}) {
-    if (Status s = materials.check(at(mesh.element_count())); !s) return s.error();
+    if (Status s = materials.template check<Scalar>(at(mesh.element_count())); !s) return s.error();
     for (const double damping : {options.damping.mass, options.damping.stiffness})
       if (!(damping >= 0) || !std::isfinite(damping))
         return Error{ErrorCode::invalid_argument, "damping", "must be >= 0 and finite"};
@@ -63,7 +75,7 @@ class SoftBody {
   Status set_displacements(std::span<const Vec3<Scalar>> displacement) {
     if (Status s = check_field("displacements", displacement); !s) return s;
     displacement_.assign(displacement.begin(), displacement.end());
-    ++revision_;
+    revision_ = detail::new_revision();
     return {};
   }
   Status set_velocities(std::span<const Vec3<Scalar>> velocity) {
@@ -90,7 +102,10 @@ class SoftBody {
   }
 
   /// Leads a pinned vertex: it will be at `position` (m, relative to the origin) after the next step.
-  void move_pin(Index vertex, const Vec3<Scalar>& position) { pins_.move(vertex, position - mesh_.position(vertex)); }
+  void move_pin(Index vertex, const Vec3<Scalar>& position) {
+    COROTET_ASSERT(pins_.is_pinned(vertex), "pin the vertex before moving it");
+    if (pins_.is_pinned(vertex)) pins_.move(vertex, position - mesh_.position(vertex));
+  }
 
   /// m/s^2.
   void set_gravity(const Vec3<Scalar>& gravity) { gravity_ = gravity; }
@@ -102,14 +117,15 @@ class SoftBody {
 
   /// New materials. The mass follows. Errors as for `create`; nothing changes then.
   Status set_materials(const Materials& materials) {
-    if (Status s = materials.check(at(mesh_.element_count())); !s) return s;
+    if (Status s = materials.template check<Scalar>(at(mesh_.element_count())); !s) return s;
     law_.set_materials(materials);
     mass_ = Mass<Scalar>(mesh_, materials, mass_.model(), *pattern_);
-    ++revision_;
+    revision_ = detail::new_revision();
     return {};
   }
 
-  /// Changes whenever displacements or materials change: lets an integrator keep what it evaluated.
+  /// A number that stands for these displacements and materials: no other state of any body with this mesh has it, but
+  /// copies of this one. Lets an integrator keep what it evaluated.
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
   /// For integrators: takes the new state by exchange of buffers, which must be finite and of the body's length.
@@ -118,7 +134,7 @@ class SoftBody {
                    "the buffers belong to another body");
     displacement_.swap(displacement);
     velocity_.swap(velocity);
-    ++revision_;
+    revision_ = detail::new_revision();
   }
 
  private:
@@ -153,7 +169,7 @@ class SoftBody {
   Pins<Scalar> pins_;
   Field<Scalar> displacement_, velocity_, external_force_;
   Vec3<Scalar> gravity_ = Vec3<Scalar>::Zero();
-  std::uint64_t revision_ = 1;
+  std::uint64_t revision_ = detail::new_revision();
 };
 
 }  // namespace corotet

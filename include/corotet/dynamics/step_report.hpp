@@ -13,16 +13,17 @@ enum class Refusal : std::uint8_t {
   gravity,           ///< gravity is not finite
   external_force,    ///< the external force on `vertex` is not finite
   pin_target,        ///< the target of pin `vertex` is not finite
+  solver_options,    ///< the solver's tolerance or iteration limit is out of range
   solver_breakdown,  ///< the matrix is not positive definite, or its entries left the range of the scalar
   overflow           ///< the new velocity is not finite in this precision
 };
 
-/// How a step ended. Everything that describes deformation is of the state after the step.
+/// How a step ended. What describes deformation is of the state after the step, and not filled in if it was refused.
 struct StepReport {
   Refusal refusal = Refusal::none;
   Index vertex = -1;            ///< the culprit, where `refusal` names one
   bool converged = true;        ///< the linear solve reached its tolerance
-  int iterations = 0;           ///< of the linear solver (0: direct)
+  int iterations = 0;           ///< of conjugate gradients, or corrections of a direct solution
   double residual = 0;          ///< relative residual of the linear solve
   Index inverted_elements = 0;  ///< elements turned inside out somewhere
   double largest_rotation = 0;  ///< of any element against its rest orientation, rad, 0 ... pi
@@ -44,6 +45,8 @@ struct StepReport {
         return "the external force on the named vertex must be finite";
       case Refusal::pin_target:
         return "the target position of the named pin must be finite";
+      case Refusal::solver_options:
+        return "the solver's tolerance must be between 0 and 1, and max_iterations not negative";
       case Refusal::solver_breakdown:
         return "the step's matrix is not positive definite in this precision: use double, a smaller time step, or "
                "better "
@@ -53,7 +56,8 @@ struct StepReport {
       case Refusal::none:
         break;
     }
-    if (!converged) return "the solver stopped early: raise max_iterations, loosen the tolerance, or use cholesky";
+    if (!converged)
+      return "the solver stopped short of its tolerance: raise max_iterations, loosen the tolerance, or use double";
     if (inverted_elements > 0) return "elements are inverted: use smaller steps, gentler pins, or a stiffer material";
     return "";
   }

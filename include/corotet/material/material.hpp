@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <corotet/core/number_text.hpp>
 #include <corotet/core/result.hpp>
 #include <string>
 #include <utility>
@@ -31,7 +32,7 @@ struct Lame {
 [[nodiscard]] inline Status check(const Material& m, const std::string& where = "material") {
   const auto refuse = [&](const char* name, double value, const char* range) {
     return Error{ErrorCode::invalid_argument, where + "." + name,
-                 std::string("must be ") + range + ", is " + std::to_string(value)};
+                 std::string("must be ") + range + ", is " + number_text(value)};
   };
   if (!(m.young > 0) || !std::isfinite(m.young)) return refuse("young", m.young, "positive and finite (Pa)");
   if (!(m.poisson > -1 && m.poisson < 0.5)) return refuse("poisson", m.poisson, "between -1 and 0.5, both excluded");
@@ -51,17 +52,21 @@ class Materials {
     return materials_.size() == 1 ? materials_.front() : materials_[e];
   }
 
-  /// invalid_argument if there is neither one material nor one for each of `elements`, or if one of them is invalid.
+  /// invalid_argument if there is neither one material nor one for each of `elements`, or if one of them is invalid, or
+  /// its Lamé parameters are too large for Scalar.
+  template <std::floating_point Scalar>
   [[nodiscard]] Status check(std::size_t elements) const {
     if (materials_.size() != 1 && materials_.size() != elements)
       return Error{ErrorCode::invalid_argument, "materials",
                    "there are " + std::to_string(materials_.size()) + " for " + std::to_string(elements) +
                        " elements; give one for all, or one for each"};
     for (std::size_t e = 0; e < materials_.size(); ++e) {
-      const bool shared = materials_.size() == 1;
-      if (Status s = corotet::check(materials_[e], shared ? "material" : "material of element " + std::to_string(e));
-          !s)
-        return s;
+      const std::string where = materials_.size() == 1 ? "material" : "material of element " + std::to_string(e);
+      if (Status s = corotet::check(materials_[e], where); !s) return s;
+      const auto [lambda, mu] = lame(materials_[e]);
+      for (const double parameter : {lambda, mu, materials_[e].density})
+        if (!std::isfinite(static_cast<Scalar>(parameter)))
+          return Error{ErrorCode::invalid_argument, where, number_text(parameter) + " is too large for this precision"};
     }
     return {};
   }

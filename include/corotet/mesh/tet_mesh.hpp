@@ -30,7 +30,7 @@ class TetMesh {
   /// to it.
   /// Errors: empty_mesh, invalid_argument (wrong nodes_per_element: see raise_order and lower_order; array lengths),
   /// index_out_of_range, duplicate_node, unreferenced_vertex (see remove_unreferenced), non_finite_value,
-  /// degenerate_element; each names the element or vertex.
+  /// degenerate_element, unsupported (too large for 32-bit indices); each names the element or vertex.
   [[nodiscard]] static Result<TetMesh> create(MeshData data, const Vec3<double>& origin = Vec3<double>::Zero()) {
     if (Status status = detail::check_arrays(data, Element::nodes); !status) return status.error();
 

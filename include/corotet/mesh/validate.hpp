@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <corotet/core/number_text.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/reference_element.hpp>
@@ -21,9 +22,9 @@ inline std::string element_name(Index e) { return "element " + std::to_string(e)
 inline Status check_arrays(const MeshData& data, int nodes_per_element) {
   if (data.positions.empty()) return Error{ErrorCode::empty_mesh, "mesh", "it has no vertices"};
   if (data.connectivity.empty()) return Error{ErrorCode::empty_mesh, "mesh", "it has no elements"};
-  // A body has 3 degrees of freedom a vertex and up to 30 index slots an element, all counted by Index.
-  constexpr std::size_t most = std::size_t{std::numeric_limits<Index>::max()} / 30;
-  if (data.positions.size() > most || data.connectivity.size() > most * 4)
+  // A body counts 3 degrees of freedom a vertex and nodes^2 contributions an element by Index.
+  constexpr std::size_t most = std::size_t{std::numeric_limits<Index>::max()};
+  if (data.positions.size() > most / 3 || data.connectivity.size() > most / at(std::max(nodes_per_element, 1)))
     return Error{ErrorCode::unsupported, "mesh", "it is too large for 32-bit indices"};
   if (data.nodes_per_element != nodes_per_element)
     return Error{ErrorCode::invalid_argument, "mesh",
@@ -93,7 +94,7 @@ Status check_volume(const std::vector<Vec3<double>>& x, const std::array<Index, 
         const bool curved = Element::order > 1 && corner_volume(x, nodes.data()) * 6 > rounding;
         return Error{ErrorCode::degenerate_element, element_name(e),
                      curved ? "its edges are curved so far that it folds over itself"
-                            : "its volume is zero to rounding (" + std::to_string(det / 6) + " m^3)"};
+                            : "its volume is zero to rounding (" + number_text(det / 6) + " m^3)"};
       }
     }
     return {};

@@ -9,7 +9,6 @@
 #include <corotet/solve/pcg.hpp>
 #include <corotet/solve/refinement.hpp>
 #include <corotet/solve/solver.hpp>
-#include <limits>
 
 namespace corotet {
 
@@ -19,11 +18,12 @@ enum class PreconditionerKind { automatic, jacobi, block_jacobi };
 struct SolverOptions {
   SolverMethod method = SolverMethod::automatic;
   PreconditionerKind preconditioner = PreconditionerKind::automatic;
-  double tolerance = 1e-3;    ///< relative residual, see PcgOptions
-  int max_iterations = 2000;  ///< of PCG
+  double tolerance = 1e-3;    ///< relative residual, 0 < tolerance < 1, see PcgOptions
+  int max_iterations = 2000;  ///< of PCG, >= 0
 };
 
-/// Chooses once, in `analyze`, by counting operations; see `method()` for the choice.
+/// Chooses once, in `analyze`, by counting operations; see `method()` for the choice. A factor too large for 32-bit
+/// indices is never chosen, not even when asked for.
 template <std::floating_point Scalar>
 class AutoSolver {
  public:
@@ -38,6 +38,7 @@ class AutoSolver {
     if (method_ != SolverMethod::pcg) {
       cholesky_.analyze(pattern);
       if (method_ == SolverMethod::automatic) method_ = cheaper_method(pattern);
+      if (!cholesky_.fits()) method_ = SolverMethod::pcg;
     }
     preconditioner_ = options_.preconditioner == PreconditionerKind::automatic ? PreconditionerKind::block_jacobi
                                                                                : options_.preconditioner;
@@ -59,6 +60,7 @@ class AutoSolver {
   template <Executor E>
   SolveReport solve(const BlockMatrix<Scalar>& matrix, const Field<Scalar>& b, Field<Scalar>& x, E& executor) {
     if (method_ == SolverMethod::cholesky) {
+      if (!(options_.tolerance > 0 && options_.tolerance < 1)) return {SolveStatus::invalid_options, 0, 1.0};
       if (!cholesky_.factorize(matrix)) return {SolveStatus::breakdown, 0, 1.0};
       const auto factor = [this](const Field<Scalar>& r, Field<Scalar>& y) { cholesky_.solve(r, y); };
       return refinement_.solve(matrix, factor, b, x, options_.tolerance, executor);
@@ -80,7 +82,6 @@ class AutoSolver {
 
  private:
   [[nodiscard]] SolverMethod cheaper_method(const BlockPattern& pattern) const {
-    if (cholesky_.factor_blocks() > std::size_t{std::numeric_limits<Index>::max()}) return SolverMethod::pcg;
     const double product = 18.0 * pattern.blocks();
     const double direct = cholesky_.factor_flops() + 4 * 18.0 * double(cholesky_.factor_blocks());
     return direct < expected_iterations * product ? SolverMethod::cholesky : SolverMethod::pcg;

@@ -29,6 +29,9 @@ class BlockCholesky {
     count_columns(n);
   }
 
+  /// True if the factor can be indexed; `allocate` and `factorize` need that.
+  [[nodiscard]] bool fits() const { return blocks_ <= std::size_t{std::numeric_limits<Index>::max()}; }
+
   /// Blocks in L, the diagonal included.
   [[nodiscard]] std::size_t factor_blocks() const { return blocks_; }
 

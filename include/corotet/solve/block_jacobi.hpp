@@ -21,7 +21,7 @@ class DiagonalPreconditioner {
     for_ranges(executor, matrix.rows(), grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) {
         if constexpr (by_blocks)
-          inverse_[at(i)] = matrix.diagonal(i).inverse();
+          inverse_[at(i)] = inverse(matrix.diagonal(i));
         else
           inverse_[at(i)] = matrix.diagonal(i).diagonal().cwiseInverse().asDiagonal();
       }
@@ -36,6 +36,12 @@ class DiagonalPreconditioner {
   }
 
  private:
+  /// Scaled first: the determinant of a stiff block leaves the range of float.
+  [[nodiscard]] static Mat3<Scalar> inverse(const Mat3<Scalar>& block) {
+    const Scalar scale = 1 / block.diagonal().maxCoeff();
+    return (block * scale).inverse() * scale;
+  }
+
   static constexpr Index grain = 1024;
   std::vector<Mat3<Scalar>> inverse_;
 };

@@ -4,10 +4,12 @@
 #include <Eigen/CholmodSupport>
 #include <algorithm>
 #include <corotet/assembly/block_matrix.hpp>
+#include <corotet/core/assert.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/refinement.hpp>
 #include <corotet/solve/solver.hpp>
+#include <limits>
 #include <memory>
 
 namespace corotet {
@@ -30,6 +32,7 @@ class CholmodSolver {
 
   /// Ordering and symbolic factorisation.
   void analyze(const BlockPattern& pattern) {
+    COROTET_ASSERT(pattern.blocks() <= std::numeric_limits<Index>::max() / 9, "too large for 32-bit indices");
     refinement_ = Refinement<Scalar>(pattern.rows());
     const Index n = 3 * pattern.rows();
     matrix_.resize(n, n);

@@ -38,7 +38,7 @@ class Refinement {
       if (!std::isfinite(report.residual)) return {SolveStatus::breakdown, report.iterations, 1.0};
       if (report.residual <= tolerance) return report;
       if (report.iterations == most_corrections) {
-        report.status = SolveStatus::iteration_limit;
+        report.status = SolveStatus::stagnated;
         return report;
       }
       ++report.iterations;

@@ -29,12 +29,14 @@ concept Preconditioner = requires(const P& p, P& changing, const BlockMatrix<Sca
 enum class SolveStatus {
   converged,        ///< the residual is below the tolerance
   iteration_limit,  ///< `max_iterations` reached first
+  stagnated,        ///< rounding keeps the residual above the tolerance
+  invalid_options,  ///< a tolerance or limit outside its range; nothing was solved
   breakdown         ///< the matrix is not positive definite in this precision, or not finite
 };
 
 struct SolveReport {
   SolveStatus status = SolveStatus::converged;
-  int iterations = 0;   ///< products with the matrix; 0 for a direct solve that needed no refinement
+  int iterations = 0;   ///< of conjugate gradients, or corrections of a direct solution
   double residual = 0;  ///< |b - A x| / |b|, in the norm that the solver names
 };
 
