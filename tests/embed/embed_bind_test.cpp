@@ -4,6 +4,7 @@
 #include <limits>
 #include <numeric>
 #include <string>
+#include <type_traits>
 
 #include "embed/embed_fixtures.hpp"
 
@@ -174,6 +175,41 @@ TYPED_TEST(EmbedBind, BadInputIsNamed) {
   const auto result = Surface::bind(mesh, points, normals);
   ASSERT_FALSE(result.ok());
   EXPECT_EQ(result.error().code, ErrorCode::invalid_argument);
+}
+
+// Far vertices are kept to rounding or refused by name, never lost.
+TYPED_TEST(EmbedBind, AFarVertexIsKeptOrNamed) {
+  USE_KIND;
+  const Mesh mesh = this->block();
+  const Field<Scalar> at_rest(at(mesh.vertex_count()), Vec3<Scalar>::Zero());
+  const double kept = std::is_same_v<Scalar, float> ? 1e29 : 1e99;
+  for (const double far : {1e10, 1e29, 1e31, 1e45, 1e99, 1e101, 1e160, 1e200, 1e308})
+    for (const Vec3<double>& way : {Vec3<double>(1, 0, 0), Vec3<double>(0, -1, 0), Vec3<double>(-1, 1, -1)}) {
+      const Points points{mesh.origin(), way * far};
+      auto surface = Surface::bind(mesh, points);
+      EXPECT_EQ(surface.ok(), far <= kept) << far;
+      if (surface.ok()) {
+        const Vec3<double> x = this->positions(*surface, at_rest)[1].template cast<double>();
+        EXPECT_LE((x - points[1]).norm(), 1000 * Fixture::epsilon * far) << x.transpose();
+      } else {
+        EXPECT_EQ(surface.error().code, ErrorCode::non_finite_value);
+        EXPECT_EQ(surface.error().where, "surface vertex 1");
+      }
+    }
+}
+
+// In float, natural coordinates in a tiny element leave the range before positions do.
+TEST(EmbedBindRange, AVertexTooFarForATinyElementIsNamed) {
+  MeshData tiny;
+  tiny.positions = {{0, 0, 0}, {1e-10, 0, 0}, {0, 1e-10, 0}, {0, 0, 1e-10}};
+  tiny.connectivity = {0, 1, 2, 3};
+  const auto mesh = TetMesh<float, Tet4>::create(tiny);
+  ASSERT_TRUE(mesh.ok());
+  EXPECT_TRUE((EmbeddedSurface<float, Tet4>::bind(*mesh, Points{{0, 1e20, 0}}).ok()));
+  const auto surface = EmbeddedSurface<float, Tet4>::bind(*mesh, Points{{0, 0, 0}, {0, 1e29, 0}});
+  ASSERT_FALSE(surface.ok());
+  EXPECT_EQ(surface.error().code, ErrorCode::non_finite_value);
+  EXPECT_EQ(surface.error().where, "surface vertex 1");
 }
 
 TYPED_TEST(EmbedBind, TriangleSurfaces) {

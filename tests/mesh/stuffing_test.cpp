@@ -215,6 +215,24 @@ TEST(StuffingSurface, SignedDistanceOfABlockIsExact) {
   }
 }
 
+// At 1e100 m all is still computed; beyond, the squared distance would overflow and no triangle be nearest.
+TEST(StuffingSurface, SurfacesOfAnySizeAreMeasuredOrRefused) {
+  for (const double size : {1e-90, 1e90, 1e99}) {
+    const auto distance = SignedDistance::create(block_surface(Vec3<double>::Constant(size)));
+    ASSERT_TRUE(distance.ok()) << distance.error().message();
+    EXPECT_NEAR((*distance)(Vec3<double>::Zero()) / size, -0.5, 1e-12);
+    EXPECT_NEAR((*distance)(Vec3<double>(2 * size, 0, 0)) / size, 1.5, 1e-12);
+  }
+  for (const double size : {1e101, 1e160, 1e300}) {
+    SurfaceMesh surface = block_surface(Vec3<double>::Ones());
+    for (Vec3<double>& x : surface.positions) x *= size;
+    const auto mesh = stuff_surface(surface, {.size = size / 8});
+    ASSERT_FALSE(mesh.ok()) << size;
+    EXPECT_EQ(mesh.error().code, ErrorCode::non_finite_value);
+    EXPECT_EQ(mesh.error().where, "surface vertex 0");
+  }
+}
+
 TEST(StuffingSurface, FillsAClosedSurface) {
   // A torus made of triangles: the boundary of a stuffed torus.
   const MeshData source = stuff(torus, 1.45, 0.1);

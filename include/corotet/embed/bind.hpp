@@ -5,10 +5,12 @@
 #include <array>
 #include <cmath>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/number_text.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/embed/element_map.hpp>
 #include <corotet/mesh/box_tree.hpp>
+#include <corotet/mesh/check_connectivity.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
 #include <corotet/mesh/vertex_normals.hpp>
 #include <cstdint>
@@ -117,22 +119,26 @@ inline std::vector<Vec3<double>> unit_normals(std::span<const Vec3<double>> norm
   return out;
 }
 
-/// The first vertex that is not finite, or an error about lengths.
-inline Status check_surface(std::span<const Vec3<double>> positions, std::span<const Vec3<double>> normals) {
+/// Lengths, and the first vertex that is not finite or too far from the mesh's origin.
+template <std::floating_point Scalar, ReferenceElement Element>
+Status check_surface(const TetMesh<Scalar, Element>& mesh, std::span<const Vec3<double>> positions,
+                     std::span<const Vec3<double>> normals) {
   if (positions.size() > std::size_t{std::numeric_limits<Index>::max()} / 3)
     return Error{ErrorCode::unsupported, "surface", "it is too large for 32-bit indices"};
   if (!normals.empty() && normals.size() != positions.size())
     return Error{
         ErrorCode::invalid_argument, "surface",
         "it has " + std::to_string(positions.size()) + " vertices but " + std::to_string(normals.size()) + " normals"};
-  const auto bad = [](std::span<const Vec3<double>> values) {
-    return std::find_if(values.begin(), values.end(), [](const Vec3<double>& v) { return !v.allFinite(); }) -
-           values.begin();
-  };
-  if (const auto v = bad(positions); v != std::ssize(positions))
-    return Error{ErrorCode::non_finite_value, "surface vertex " + std::to_string(v), "its position is not finite"};
-  if (const auto v = bad(normals); v != std::ssize(normals))
-    return Error{ErrorCode::non_finite_value, "surface vertex " + std::to_string(v), "its normal is not finite"};
+  if (Status status = check_positions(positions, "surface vertex"); !status) return status;
+  // In float, natural coordinates and moved positions need room below the end of the range.
+  constexpr double largest = std::numeric_limits<Scalar>::max_exponent10 > 100 ? largest_coordinate : 1e30;
+  for (std::size_t v = 0; v < positions.size(); ++v)
+    if ((positions[v] - mesh.origin()).cwiseAbs().maxCoeff() > largest)
+      return Error{ErrorCode::non_finite_value, "surface vertex " + std::to_string(v),
+                   "it is farther than " + number_text(largest) + " m from the mesh's origin"};
+  for (std::size_t v = 0; v < normals.size(); ++v)
+    if (!normals[v].allFinite())
+      return Error{ErrorCode::non_finite_value, "surface vertex " + std::to_string(v), "its normal is not finite"};
   return {};
 }
 

@@ -46,6 +46,8 @@ struct BoundVertex {
     normal = (map.gradient(point.xi).transpose() * n).stableNormalized().template cast<Scalar>();
   }
 
+  [[nodiscard]] bool is_finite() const { return where.front().allFinite() && where.back().allFinite(); }
+
   /// N_a(xi) + dN_a/dxi . step
   template <ReferenceElement Element>
   [[nodiscard]] std::array<double, Element::nodes> weights() const {

@@ -10,6 +10,7 @@
 #include <corotet/embed/bind.hpp>
 #include <corotet/embed/deform.hpp>
 #include <corotet/embed/vertex_buffer.hpp>
+#include <corotet/mesh/check_connectivity.hpp>
 #include <corotet/mesh/surface_mesh.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
 #include <cstdint>
@@ -32,12 +33,13 @@ class EmbeddedSurface {
 
   /// Binds vertices with the given rest positions (m, in the coordinates given to TetMesh::create) and rest normals
   /// (one a vertex, any length; or none). A vertex outside the mesh goes to the nearest element, is counted, and
-  /// follows the linear extension of the motion at the nearest point. Errors: non_finite_value (names the vertex),
-  /// invalid_argument (number of normals), unsupported (too many).
+  /// follows the linear extension of the motion at the nearest point. Errors: non_finite_value (names the vertex; also
+  /// one farther from the mesh's origin than 1e100 m, in float 1e30 m), invalid_argument (number of normals),
+  /// unsupported (too many).
   template <Executor E = SerialExecutor>
   [[nodiscard]] static Result<EmbeddedSurface> bind(const Mesh& mesh, std::span<const Vec3<double>> rest_positions,
                                                     std::span<const Vec3<double>> rest_normals = {}, E executor = {}) {
-    if (Status status = detail::check_surface(rest_positions, rest_normals); !status) return status.error();
+    if (Status status = detail::check_surface(mesh, rest_positions, rest_normals); !status) return status.error();
     const Index count = size_of(rest_positions);
     const BoxTree tree = detail::element_tree(mesh);
     const double rounding = detail::position_rounding<Scalar>(tree.bounds());
@@ -61,7 +63,9 @@ class EmbeddedSurface {
         surface.elements_.emplace_back(mesh, point.element);
       }
       const Vec3<double> normal = surface.has_normals_ ? normals[at(v)] : Vec3<double>(Vec3<double>::Zero());
-      surface.vertices_.emplace_back(mesh, point, slot, normal);
+      if (!surface.vertices_.emplace_back(mesh, point, slot, normal).is_finite())
+        return Error{ErrorCode::non_finite_value, "surface vertex " + std::to_string(v),
+                     "it is too far from so small an element for this precision"};
       surface.boxes_visited_ += point.visited;
       if (point.distance > 0) {
         surface.outside_vertices_.push_back(v);
@@ -76,14 +80,10 @@ class EmbeddedSurface {
   /// triangles. Further errors: index_out_of_range (names the triangle).
   template <Executor E = SerialExecutor>
   [[nodiscard]] static Result<EmbeddedSurface> bind(const Mesh& mesh, const SurfaceMesh& surface, E executor = {}) {
-    for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-      for (const Index v : surface.triangles[t])
-        if (v < 0 || v >= size_of(surface.positions))
-          return Error{ErrorCode::index_out_of_range, "triangle " + std::to_string(t),
-                       "it names vertex " + std::to_string(v) + " of " + std::to_string(surface.positions.size())};
+    if (Status status = detail::check_triangles(surface); !status) return status.error();
     if (!surface.normals.empty() || surface.triangles.empty())
       return bind(mesh, surface.positions, surface.normals, executor);
-    if (Status status = detail::check_surface(surface.positions, {}); !status) return status.error();
+    if (Status status = detail::check_surface(mesh, surface.positions, {}); !status) return status.error();
     return bind(mesh, surface.positions, vertex_normals(surface), executor);
   }
 

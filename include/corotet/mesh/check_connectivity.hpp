@@ -1,9 +1,13 @@
-// The least that code on unchecked MeshData needs before it may follow an index.
+// The least that code on unchecked meshes and surfaces needs before it may follow an index or compute with a position.
 #pragma once
 
+#include <corotet/core/number_text.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/mesh/mesh_data.hpp>
+#include <corotet/mesh/surface_mesh.hpp>
+#include <cstddef>
+#include <span>
 #include <string>
 
 namespace corotet::detail {
@@ -28,6 +32,29 @@ inline Status check_connectivity(const MeshData& mesh) {
                        std::to_string(mesh.positions.size()) + " vertices"};
     }
   }
+  return {};
+}
+
+/// Indices in range.
+inline Status check_triangles(const SurfaceMesh& surface) {
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+    for (const Index v : surface.triangles[t])
+      if (v < 0 || v >= size_of(surface.positions))
+        return Error{ErrorCode::index_out_of_range, "triangle " + std::to_string(t),
+                     "it names vertex " + std::to_string(v) + " of " + std::to_string(surface.positions.size())};
+  return {};
+}
+
+/// m. Cubes of differences, which are volumes, stay within double's range.
+inline constexpr double largest_coordinate = 1e100;
+
+/// Finite positions no farther out than `largest` along any axis; an error names the vertex as `name` and its number.
+inline Status check_positions(std::span<const Vec3<double>> positions, const char* name,
+                              double largest = largest_coordinate) {
+  for (std::size_t v = 0; v < positions.size(); ++v)
+    if (!positions[v].allFinite() || positions[v].cwiseAbs().maxCoeff() > largest)
+      return Error{ErrorCode::non_finite_value, std::string(name) + " " + std::to_string(v),
+                   "its position is not a finite number of magnitude " + number_text(largest) + " at most"};
   return {};
 }
 

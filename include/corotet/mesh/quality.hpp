@@ -97,11 +97,7 @@ ElementQuality measure_nodes(const std::vector<Vec3<Scalar>>& positions, const I
 /// Errors: invalid_argument (nodes_per_element), index_out_of_range, non_finite_value.
 [[nodiscard]] inline Result<MeshQuality> measure_quality(const MeshData& mesh) {
   if (Status status = detail::check_connectivity(mesh); !status) return status.error();
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    if (!(mesh.positions[v].cwiseAbs().maxCoeff() <= 1e100) || !mesh.positions[v].allFinite())
-      return Error{ErrorCode::non_finite_value, "vertex " + std::to_string(v),
-                   "its position is not a finite number of magnitude 1e100 at most"};
-  }
+  if (Status status = detail::check_positions(mesh.positions, "vertex"); !status) return status.error();
   std::vector<ElementQuality> elements;
   elements.reserve(at(mesh.element_count()));
   for (Index e = 0; e < mesh.element_count(); ++e) {

@@ -11,7 +11,7 @@ namespace corotet {
 /// Unit normal of a triangle (counter-clockwise seen from its tip); zero where the triangle has no area.
 [[nodiscard]] inline Vec3<double> triangle_normal(const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c) {
   const Vec3<double> n = (b - a).cross(c - a);
-  const double length = n.norm();
+  const double length = n.stableNorm();  // its square would leave the range from triangles of 1e77 m on
   return length > 0 ? Vec3<double>(n / length) : Vec3<double>(Vec3<double>::Zero());
 }
 
@@ -26,7 +26,7 @@ namespace corotet {
     for (std::size_t i = 0; i < 3; ++i) {
       const Vec3<double>& x = surface.positions[at(t[i])];
       const Vec3<double> e = surface.positions[at(t[(i + 1) % 3])] - x, f = surface.positions[at(t[(i + 2) % 3])] - x;
-      normals[at(t[i])] += std::atan2(e.cross(f).norm(), e.dot(f)) * n;
+      normals[at(t[i])] += std::atan2(e.cross(f).stableNorm(), e.dot(f)) * n;
     }
   }
   for (Vec3<double>& n : normals) {

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <corotet/core/assert.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/mesh/box_tree.hpp>
+#include <corotet/mesh/check_connectivity.hpp>
 #include <corotet/mesh/closest_point.hpp>
 #include <corotet/mesh/surface_mesh.hpp>
 #include <corotet/mesh/vertex_normals.hpp>
@@ -22,19 +24,13 @@ namespace corotet {
 /// and corners, where counting the crossings of a ray needs special cases.
 class SignedDistance {
  public:
-  /// Errors: empty_mesh, index_out_of_range, non_finite_value; invalid_argument where an edge is not shared by exactly
-  /// two triangles with opposite directions (an open surface, or vertices that coincide but are not merged), or where
-  /// the surface encloses no volume.
+  /// Errors: empty_mesh, index_out_of_range, non_finite_value (also beyond 1e100 m); invalid_argument where an edge is
+  /// not shared by exactly two triangles with opposite directions (an open surface, or vertices that coincide but are
+  /// not merged), or where the surface encloses no volume.
   [[nodiscard]] static Result<SignedDistance> create(const SurfaceMesh& surface) {
     if (surface.triangles.empty()) return Error{ErrorCode::empty_mesh, "surface", "it has no triangles"};
-    for (std::size_t v = 0; v < surface.positions.size(); ++v)
-      if (!surface.positions[v].allFinite())
-        return Error{ErrorCode::non_finite_value, "surface vertex " + std::to_string(v), "its position is not finite"};
-    for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-      for (const Index v : surface.triangles[t])
-        if (v < 0 || v >= size_of(surface.positions))
-          return Error{ErrorCode::index_out_of_range, "triangle " + std::to_string(t),
-                       "it names vertex " + std::to_string(v) + " of " + std::to_string(surface.positions.size())};
+    if (Status status = detail::check_positions(surface.positions, "surface vertex"); !status) return status.error();
+    if (Status status = detail::check_triangles(surface); !status) return status.error();
     SignedDistance out;
     out.positions_ = surface.positions;
     out.triangles_ = surface.triangles;
@@ -56,7 +52,9 @@ class SignedDistance {
     return out;
   }
 
+  /// `p`: finite, of magnitude 1e120 at most.
   [[nodiscard]] double operator()(const Vec3<double>& p) const {
+    COROTET_ASSERT(p.cwiseAbs().maxCoeff() <= 1e120, "the squared distance would overflow");
     SimplexPoint<3> nearest;
     const auto corner = [&](Index t, std::size_t i) -> const Vec3<double>& {
       return positions_[at(triangles_[at(t)][i])];
