@@ -38,14 +38,6 @@ Result<Field<double>> read_vectors(const std::filesystem::path& path, Index vert
   return vectors;
 }
 
-Index nearest_vertex(const MeshData& mesh, const Vec3<double>& point) {
-  Index nearest = 0;
-  for (Index v = 1; v < mesh.vertex_count(); ++v)
-    if ((mesh.positions[at(v)] - point).squaredNorm() < (mesh.positions[at(nearest)] - point).squaredNorm())
-      nearest = v;
-  return nearest;
-}
-
 std::vector<Index> vertices_in(const MeshData& mesh, const PinBox& box) {
   std::vector<Index> inside;
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
@@ -102,7 +94,7 @@ RunInput read_input(const Scene& scene) {
     if (input.pins.back().vertices.empty())
       problems.add(fmt::format("pins[{}].box", i), "no vertex lies in it (rest positions, m)");
   }
-  for (const Vec3<double>& point : scene.probes) input.probes.push_back(nearest_vertex(input.mesh, point));
+  for (const Vec3<double>& point : scene.probes) input.probes.push_back(nearest_position(input.mesh.positions, point));
   const Index vertices = input.mesh.vertex_count();
   if (scene.initial_positions)
     input.positions = problems.take("initial.positions", read_vectors(*scene.initial_positions, vertices));

@@ -1,11 +1,21 @@
 // A mesh as it comes from a file, a mesher or a program: unchecked arrays. TetMesh::create checks it.
 #pragma once
 
+#include <concepts>
 #include <corotet/core/types.hpp>
 #include <string>
 #include <vector>
 
 namespace corotet {
+
+/// The position nearest to `x`, the first of equals. Looks at each.
+template <std::floating_point Scalar>
+[[nodiscard]] Index nearest_position(const std::vector<Vec3<Scalar>>& positions, const Vec3<Scalar>& x) {
+  Index nearest = 0;
+  for (Index v = 1; v < size_of(positions); ++v)
+    if ((positions[at(v)] - x).squaredNorm() < (positions[at(nearest)] - x).squaredNorm()) nearest = v;
+  return nearest;
+}
 
 /// Vertices and elements before validation, always in double: a reader does not know in which precision the mesh will
 /// be used.

@@ -70,12 +70,7 @@ class TetMesh {
   [[nodiscard]] const Vec3<Scalar>& position(Index vertex) const { return positions_[at(vertex)]; }
 
   /// The vertex whose rest position is nearest to `x` (m, relative to `origin()`), the first of equals. Looks at each.
-  [[nodiscard]] Index nearest_vertex(const Vec3<Scalar>& x) const {
-    Index nearest = 0;
-    for (Index v = 1; v < vertex_count(); ++v)
-      if ((position(v) - x).squaredNorm() < (position(nearest) - x).squaredNorm()) nearest = v;
-    return nearest;
-  }
+  [[nodiscard]] Index nearest_vertex(const Vec3<Scalar>& x) const { return nearest_position(positions_, x); }
 
   [[nodiscard]] const std::vector<Nodes>& elements() const { return elements_; }
   [[nodiscard]] const Nodes& element(Index e) const { return elements_[at(e)]; }
