@@ -44,11 +44,19 @@ int run(int argc, char** argv) {
   return misused;
 }
 
+/// What was printed may lie in a buffer until now, so that a full disk shows only here.
+bool output_was_written() {
+  const bool flushed = std::fflush(stdout) == 0;
+  return flushed && std::ferror(stdout) == 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   try {
-    return run(argc, argv);
+    const int code = run(argc, argv);
+    if (output_was_written()) return code;
+    fmt::print(stderr, "corotet: standard output could not be written\n");
   } catch (const corotet::program::Failure& failure) {
     fmt::print(stderr, "corotet: {}\n", failure.what());
   } catch (const std::bad_alloc&) {

@@ -38,9 +38,21 @@ struct MeshCommandOptions {
   double cell = 0;  // m
   bool clean = false;
   std::string output;
-  std::string msh_version = "4.1";
+  std::string msh_version;  // these two: empty if not given
   std::string encoding;
 };
+
+/// Said before anything is made, which may take long.
+void check_output(const MeshCommandOptions& options) {
+  const std::string ending = std::filesystem::path(options.output).extension().string();
+  if (ending != ".msh" && ending != ".vtu" && ending != ".obj")
+    throw Failure(fmt::format("--output {}: its name must end with .msh, .vtu or .obj, which says what to write",
+                              options.output));
+  if (!options.msh_version.empty() && ending != ".msh")
+    throw Failure(fmt::format("--msh-version does not apply to --output {}: it is for .msh files", options.output));
+  if (!options.encoding.empty() && ending == ".obj")
+    throw Failure(fmt::format("--encoding does not apply to --output {}: .obj files are text", options.output));
+}
 
 MeshData make_shape(const MeshCommandOptions& options) {
   const bool beam = options.shape == "beam";
@@ -106,15 +118,12 @@ void write(const MeshCommandOptions& options, const MeshData& mesh) {
     VtuGrid grid{.points = mesh.positions, .cells = vtu_cells(mesh)};
     if (!mesh.regions.empty()) grid.cell_data = {{"region", mesh.regions}};
     require(write_vtu(path, grid, {options.encoding == "ascii" ? VtuEncoding::ascii : VtuEncoding::appended}));
-  } else if (ending == ".obj") {
+  } else {  // .obj
     const CompactSurface boundary = compact_surface(require(extract_boundary(mesh)), mesh.positions);
     require(write_obj(path, boundary.surface));
     fmt::print("wrote {}: the boundary, {} vertices, {} triangles\n", options.output, boundary.surface.positions.size(),
                boundary.surface.triangles.size());
     return;
-  } else {
-    throw Failure(fmt::format("--output {}: its name must end with .msh, .vtu or .obj, which says what to write",
-                              options.output));
   }
   fmt::print("wrote {}: {} vertices, {} elements ({})\n", options.output, mesh.vertex_count(), mesh.element_count(),
              nodes);
@@ -175,6 +184,7 @@ Command add_mesh_command(CLI::App& app) {
   return {syntax, [options] {
             if (options->shape.empty() && options->from.empty() && options->stuff.empty())
               throw Failure("corotet mesh: say what to make: beam, block, --from FILE, or --stuff SURFACE");
+            check_output(*options);
             const MeshData mesh = make(*options);
             write(*options, mesh);
             if (options->shape.empty()) warn_if_unusable(mesh);

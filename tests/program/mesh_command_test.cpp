@@ -122,6 +122,22 @@ TEST_F(MeshCommand, CheckSaysWhatIsWrong) {
   EXPECT_EQ(broken["reason"].get<std::string>().find("broken.mesh:"), 0U) << broken;
 }
 
+// Found before the input is even read.
+TEST_F(MeshCommand, AWrongOutputNameIsSaidFirst) {
+  const Outcome outcome = corotet("mesh --from nowhere.msh -o a.stl");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("--output a.stl"), std::string::npos) << outcome.err;
+}
+
+TEST_F(MeshCommand, OutputThatCannotBeWrittenIsAnError) {
+  must("mesh beam -o a.msh");
+  for (const char* arguments : {"check --json a.msh", "check a.msh", "mesh beam -o b.msh", "--help", "--version"}) {
+    const Outcome outcome = corotet(std::string(arguments) + " > /dev/full");
+    EXPECT_EQ(outcome.exit_code, 1) << arguments;
+    EXPECT_FALSE(outcome.err.empty()) << arguments;
+  }
+}
+
 TEST_F(MeshCommand, HelpTeachesAndTheVersionIsTold) {
   for (const char* command : {"", "mesh ", "check ", "run "}) {
     const Outcome outcome = corotet(std::string(command) + "--help");
