@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <exception>
 #include <memory>
 #include <string>
 #include <utility>
@@ -30,6 +31,14 @@ struct RunCommandOptions {
   int steps = -1;         // < 0: the scene's
   int frames_every = -1;  // < 0: the scene's
 };
+
+ThreadPool make_pool(int threads) {
+  try {
+    return ThreadPool(threads);
+  } catch (const std::exception& error) {
+    throw Failure(fmt::format("--threads {}: so many threads cannot be made: {}", threads, error.what()));
+  }
+}
 
 /// Gives the simulation its initial state and its pins. Returns how many vertices are pinned.
 Index set_up(Simulation& simulation, const Scene& scene, const RunInput& input) {
@@ -106,7 +115,7 @@ int run(const RunCommandOptions& options) {
   if (options.steps >= 0) scene.steps = options.steps;
   if (options.frames_every >= 0) scene.frames_every = options.frames_every;
   const RunInput input = read_input(scene);
-  ThreadPool pool(options.threads);
+  ThreadPool pool = make_pool(options.threads);
 
   RunFacts facts;
   facts.threads = options.threads;
@@ -115,7 +124,11 @@ int run(const RunCommandOptions& options) {
   facts.pinned_vertices = set_up(*simulation, scene, input);
   facts.setup_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   facts.simulation = simulation->facts();
-  if (input.surface) facts.surface = require(simulation->bind(*input.surface, pool));
+  if (input.surface) {
+    Problems problems(scene.file.string());
+    facts.surface = problems.take("surface", simulation->bind(*input.surface, pool));
+    problems.stop_if_any();
+  }
 
   for (const std::string& note : input.notes) fmt::print(stderr, "corotet: note: {}\n", note);
   if (facts.simulation.flipped_elements > 0)

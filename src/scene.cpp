@@ -2,7 +2,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
 #include <corotet/core/types.hpp>
+#include <limits>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -100,6 +103,34 @@ void read_solver(ObjectReader& in, SolverOptions& solver) {
   in.integer("max_iterations", solver.max_iterations, 1);
 }
 
+/// In float, a number may become 0 or infinite that is neither as it was written; a step would be refused for it.
+void check_float_range(const Scene& scene, Problems& problems) {
+  constexpr auto least = static_cast<double>(std::numeric_limits<float>::min());
+  constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
+  const auto refuse = [&](const std::string& key, double value, const char* what) {
+    problems.add(key, fmt::format("{} is too {} for float; \"scalar\": \"double\" can hold it", value, what));
+  };
+  const auto check = [&](const std::string& key, double value) {
+    if (std::abs(value) > most) refuse(key, value, "large");
+  };
+  const auto check_positive = [&](const std::string& key, double value) {
+    check(key, value);
+    if (value < least) refuse(key, value, "small");
+  };
+  const auto check_vector = [&](const std::string& key, const Vec3<double>& v) {
+    check(key, *std::max_element(v.begin(), v.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }));
+  };
+  check_positive("integrator.dt", scene.dt);
+  check_positive("material.young", scene.material.young);
+  check_positive("material.density", scene.material.density);
+  check("damping.mass", scene.damping.mass);
+  check("damping.stiffness", scene.damping.stiffness);
+  check_vector("gravity", scene.gravity);
+  for (std::size_t i = 0; i < scene.pins.size(); ++i)  // boxes are compared in double
+    for (std::size_t k = 0; k < scene.pins[i].path.size(); ++k)
+      check_vector(fmt::format("pins[{}].path[{}]", i, k), scene.pins[i].path[k].displacement);
+}
+
 }  // namespace
 
 Scene read_scene(const fs::path& path) {
@@ -144,6 +175,8 @@ Scene read_scene(const fs::path& path) {
   in.integer("steps", scene.steps, 0);
   in.object("frames", [&](ObjectReader& frames) { frames.integer("every", scene.frames_every, 0); });
   in.refuse_others();
+  problems.stop_if_any();
+  if (scene.scalar == ScalarKind::single_precision) check_float_range(scene, problems);
   problems.stop_if_any();
   return scene;
 }

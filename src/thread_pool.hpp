@@ -17,22 +17,21 @@ namespace corotet::program {
 /// Tasks must not throw and must not call the pool; only one thread at a time may call it. A call allocates nothing.
 class ThreadPool {
  public:
-  /// `threads` >= 1, the calling thread included: 1 makes no threads and runs tasks in order.
+  /// `threads` >= 1, the calling thread included: 1 makes no threads and runs tasks in order. Throws std::system_error
+  /// if the system does not give as many, std::bad_alloc if there is no memory for them.
   explicit ThreadPool(int threads) {
-    for (int i = 1; i < threads; ++i) workers_.emplace_back([this] { work(); });
+    try {
+      for (int i = 1; i < threads; ++i) workers_.emplace_back([this] { work(); });
+    } catch (...) {
+      stop();
+      throw;
+    }
   }
 
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
-  ~ThreadPool() {
-    {
-      const std::lock_guard lock(mutex_);
-      stopping_ = true;
-    }
-    wake_.notify_all();
-    for (std::thread& worker : workers_) worker.join();
-  }
+  ~ThreadPool() { stop(); }
 
   template <std::invocable<Index> Task>
   void operator()(Index count, Task&& task) {
@@ -58,6 +57,16 @@ class ThreadPool {
     Index next = 0;        // the first task that nobody has taken
     Index unfinished = 0;  // tasks not taken, or still running
   };
+
+  /// Ends the threads that there are.
+  void stop() {
+    {
+      const std::lock_guard lock(mutex_);
+      stopping_ = true;
+    }
+    wake_.notify_all();
+    for (std::thread& worker : workers_) worker.join();
+  }
 
   /// Takes the next task and runs it without the lock.
   void run_one(std::unique_lock<std::mutex>& lock) {

@@ -38,10 +38,10 @@ class ProgramTest : public ::testing::Test {
   ProgramTest(const ProgramTest&) = delete;
   ProgramTest& operator=(const ProgramTest&) = delete;
 
-  /// `arguments` are those of a shell, run in the test's folder.
-  [[nodiscard]] Outcome corotet(const std::string& arguments) const {
-    const std::string command = "cd '" + folder_.string() + "' && '" COROTET_PROGRAM "' " + arguments +
-                                " > stdout.txt 2> stderr.txt < /dev/null";
+  /// `arguments` are those of a shell, run in the test's folder, after the shell's commands in `before`.
+  [[nodiscard]] Outcome corotet(const std::string& arguments, const std::string& before = ":") const {
+    const std::string command = "cd '" + folder_.string() + "' && { " + before + "; '" COROTET_PROGRAM "' " +
+                                arguments + "; } > stdout.txt 2> stderr.txt < /dev/null";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read("stdout.txt"), read("stderr.txt")};
   }

@@ -141,6 +141,27 @@ TEST_F(SceneErrors, OfNumbersTooLargeForFloat) {
   expect_refusal(R"({"mesh": "beam.msh", "initial": {"velocities": "huge.txt"}})", "initial.velocities: velocities of");
 }
 
+// Finite in the file, but 0 or infinite in the run's precision: found before an earlier run's results are replaced.
+TEST_F(SceneErrors, OfSceneNumbersThatFloatCannotHold) {
+  const std::vector<Row> rows{
+      {R"("gravity": [0, 0, -1e300])", "gravity: -1e+300 is too large for float"},
+      {R"("gravity": [1e39, 0, 0])", "gravity: 1e+39 is too large for float"},
+      {R"("integrator": {"dt": 1e-300})", "integrator.dt: 1e-300 is too small for float"},
+      {R"("integrator": {"dt": 1e300})", "integrator.dt: 1e+300 is too large for float"},
+      {R"("material": {"young": 1e300})", "material.young: 1e+300 is too large for float"},
+      {R"("material": {"density": 1e-300})", "material.density: 1e-300 is too small for float"},
+      {R"("damping": {"mass": 1e300})", "damping.mass: 1e+300 is too large for float"},
+      {R"("damping": {"stiffness": 1e300})", "damping.stiffness: 1e+300 is too large for float"},
+      {R"("pins": [{"box": [[0,0,0],[0,1,1]], "path": [[0, 0,0,0], [1, 0,1e300,0]]}])",
+       "pins[0].path[1]: 1e+300 is too large for float"},
+  };
+  for (const Row& row : rows) expect_refusal(std::string(R"({"mesh": "beam.msh", )") + row.member + "}", row.error);
+  // A box may well reach to the end of the numbers.
+  write("scene.json",
+        R"({"mesh": "beam.msh", "pins": [{"box": [[-1e300,-1e300,-1e300],[0,1e300,1e300]]}], "steps": 1})");
+  must("run scene.json -o out");
+}
+
 TEST_F(SceneErrors, MalformedJsonIsNamedByItsLine) {
   expect_refusal("", "scene.json:1: not JSON");
   expect_refusal("[]", "must be an object, is a list");
@@ -164,9 +185,30 @@ TEST_F(SceneErrors, LeaveEarlierResultsAlone) {
   must("run good.json -o out");
   const std::string before = read("out/final.txt") + read("out/summary.json");
   ASSERT_FALSE(before.empty());
-  write("bad.json", R"({"mesh": "beam.msh", "steps": -1})");
-  EXPECT_EQ(corotet("run bad.json -o out").exit_code, 1);
-  EXPECT_EQ(read("out/final.txt") + read("out/summary.json"), before);
+  for (const char* bad : {R"("steps": -1)", R"("gravity": [0, 0, -1e300])", R"("integrator": {"dt": 1e-300})"}) {
+    write("bad.json", std::string(R"({"mesh": "beam.msh", )") + bad + "}");
+    EXPECT_EQ(corotet("run bad.json -o out").exit_code, 1) << bad;
+    EXPECT_EQ(read("out/final.txt") + read("out/summary.json"), before) << bad;
+  }
+}
+
+// A surface vertex so far away that its distance is no number, or its place none in float.
+TEST_F(SceneErrors, OfASurfaceThatIsTooFarAway) {
+  for (const char* far : {"1e45", "1e200"}) {
+    write("far.obj", std::string("v 0 0 0\nv 1 0 0\nv ") + far + " 1 0\nf 1 2 3\n");
+    expect_refusal(R"({"mesh": "beam.msh", "surface": "far.obj", "frames": {"every": 1}})", "surface vertex 2");
+  }
+}
+
+TEST_F(SceneErrors, ThreadsThatTheSystemDoesNotGive) {
+  const std::string one_gigabyte = "ulimit -v 1000000";
+  if (corotet("--version", one_gigabyte).exit_code != 0)
+    GTEST_SKIP() << "the program does not even start in so little address space: it is built with a sanitizer";
+  write("good.json", R"({"mesh": "beam.msh", "steps": 1})");
+  const Outcome outcome = corotet("run good.json -o out --threads 1000", one_gigabyte);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("--threads 1000"), std::string::npos) << outcome.err;
+  EXPECT_FALSE(exists("out"));
 }
 
 TEST_F(SceneErrors, OfTheCommandLine) {
@@ -193,6 +235,10 @@ TEST_F(SceneErrors, OfTheCommandLine) {
       {"mesh beam --order 3 -o a.msh", 2},
       {"mesh beam --from beam.msh -o a.msh", 2},
       {"mesh beam -o a.stl", 1},
+      {"mesh beam -o a", 1},
+      {"mesh beam -o a.vtu --msh-version 2.2", 1},
+      {"mesh beam -o a.obj --msh-version 4.1", 1},
+      {"mesh beam -o a.obj --encoding ascii", 1},
       {"mesh beam -o nowhere/a.msh", 1},
       {"mesh --from nowhere.msh -o a.msh", 1},
       {"mesh --stuff nowhere.obj --cell 0.1 -o a.msh", 1},
@@ -205,7 +251,9 @@ TEST_F(SceneErrors, OfTheCommandLine) {
     const Outcome outcome = corotet(arguments);
     EXPECT_EQ(outcome.exit_code, exit_code) << arguments;
     EXPECT_FALSE(outcome.err.empty()) << arguments;
-    EXPECT_FALSE(exists("out") || exists("a.msh") || exists("a.stl")) << arguments;
+    EXPECT_FALSE(exists("out") || exists("a.msh") || exists("a.stl") || exists("a") || exists("a.vtu") ||
+                 exists("a.obj"))
+        << arguments;
   }
 }
 
