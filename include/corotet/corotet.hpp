@@ -68,6 +68,12 @@
 #include <corotet/mesh/mesh_data.hpp>
 #include <corotet/mesh/quality.hpp>
 #include <corotet/mesh/raise_order.hpp>
+#include <corotet/mesh/stuffing/cut_points.hpp>
+#include <corotet/mesh/stuffing/isosurface_stuffing.hpp>
+#include <corotet/mesh/stuffing/lattice.hpp>
+#include <corotet/mesh/stuffing/perforation.hpp>
+#include <corotet/mesh/stuffing/signed_distance.hpp>
+#include <corotet/mesh/stuffing/stencils.hpp>
 #include <corotet/mesh/surface_mesh.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
 #include <corotet/mesh/validate.hpp>

@@ -40,7 +40,7 @@ struct Pack {
 template <class T, int N>
   requires(N* int{sizeof(T)} <= register_bytes)
 struct Pack<T, N> {
-  typedef T Native __attribute__((vector_size(N * sizeof(T))));
+  typedef T Native __attribute__((vector_size(N * sizeof(T))));  // NOLINT(modernize-use-using): clang takes it so only
   Native value;
   Pack() = default;
   COROTET_ALWAYS_INLINE Pack(const Native& v) : value(v) {}  // NOLINT(google-explicit-constructor)
