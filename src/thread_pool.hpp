@@ -19,13 +19,10 @@ class ThreadPool {
  public:
   /// `threads` >= 1, the calling thread included: 1 makes no threads and runs tasks in order. Throws std::system_error
   /// if the system does not give as many, std::bad_alloc if there is no memory for them.
-  explicit ThreadPool(int threads) {
-    try {
-      for (int i = 1; i < threads; ++i) workers_.emplace_back([this] { work(); });
-    } catch (...) {
-      stop();
-      throw;
-    }
+  explicit ThreadPool(int threads) : ThreadPool() {
+    // If a thread cannot be made, the destructor runs, because a delegated constructor has finished: it stops the
+    // others.
+    for (int i = 1; i < threads; ++i) workers_.emplace_back([this] { work(); });
   }
 
   ThreadPool(const ThreadPool&) = delete;
@@ -50,6 +47,8 @@ class ThreadPool {
   }
 
  private:
+  ThreadPool() = default;
+
   struct Job {
     void* context = nullptr;
     void (*call)(void*, Index) = nullptr;
