@@ -21,6 +21,7 @@
 #include <corotet/dynamics/step_phase.hpp>
 #include <corotet/dynamics/step_report.hpp>
 #include <corotet/element/element_batch.hpp>
+#include <corotet/element/jacobian.hpp>
 #include <corotet/element/reference_element.hpp>
 #include <corotet/element/tet10.hpp>
 #include <corotet/element/tet4.hpp>

@@ -21,13 +21,9 @@ constexpr SolverOptions exact{.method = SolverMethod::cholesky, .tolerance = 1e-
 /// The beam on which corotational programs are compared: 1 x 0.2 x 0.2 m, held at x = 0, hanging under gravity.
 template <class Scalar, class Element>
 SoftBody<Scalar, Element> beam(std::array<Index, 3> cells, const BodyOptions& options = {}) {
-  auto body = must(SoftBody<Scalar, Element>::create(
-      testing::block<Scalar, Element>(
-          {.corner = {0, -0.1, -0.1}, .size = {1, 0.2, 0.2}, .cells = cells, .split = BlockSplit::kuhn6}),
-      soft, options));
-  body.pin_where([](const Vec3<Scalar>& x) { return x.x() == 0; });
-  body.set_gravity({0, 0, Scalar(-9.81)});
-  return body;
+  return testing::cantilever<Scalar, Element>(
+      {.corner = {0, -0.1, -0.1}, .size = {1, 0.2, 0.2}, .cells = cells, .split = BlockSplit::kuhn6}, soft, 9.81,
+      options);
 }
 
 /// Tip deflections that an independent program computed for backward Euler at 1/60 s, one solve a step, lumped mass.

@@ -70,11 +70,9 @@ TYPED_TEST(PatchTest, AffineBoundaryGivesTheAffineField) {
 /// Tip deflection of a beam of length 4 and height 1 with nu = 0, held at one end, under its own small weight.
 template <class Element>
 double small_deflection(Index cells_through) {
-  auto body = must(SoftBody<double, Element>::create(
-      testing::block<double, Element>({.size = {4, 1, 1}, .cells = {4 * cells_through, cells_through, cells_through}}),
-      Material{.young = 1e4, .poisson = 0, .density = 1}));
-  body.pin_where([](const Vec3<double>& x) { return x.x() == 0; });
-  body.set_gravity({0, 0, -1e-4});
+  auto body = testing::cantilever<double, Element>(
+      {.size = {4, 1, 1}, .cells = {4 * cells_through, cells_through, cells_through}},
+      {.young = 1e4, .poisson = 0, .density = 1}, 1e-4);
   EXPECT_TRUE(settle(body, 10, 1e-13));
   return -body.displacements()[at(body.mesh().nearest_vertex({4, 0.5, 0.5}))].z();
 }
@@ -107,13 +105,10 @@ TEST(LargeDeflection, Tet10WithTwoCellsThroughTheThicknessIsWithinOneAndAHalfPer
   };
   for (const Row& row : {Row{1, 0, .00881, .12448}, Row{1, .3, .00868, .12356}, Row{4, 0, .11091, .42938},
                          Row{4, .3, .10959, .42709}, Row{8, 0, .27882, .64853}, Row{8, .3, .27661, .64665}}) {
-    auto body = must(SoftBody<double, Tet10>::create(
-        testing::block<double, Tet10>(
-            {.corner = {0, -0.05, -0.05}, .size = {1, 0.1, 0.1}, .cells = {20, 2, 2}, .split = BlockSplit::kuhn6}),
-        Material{.young = 1e6, .poisson = row.poisson, .density = 1000}));
-    body.pin_where([](const Vec3<double>& x) { return x.x() == 0; });
     // q = q0 L^3 / E I with q0 = rho A g, A = h^2, I = h^4 / 12.
-    body.set_gravity({0, 0, -row.load * 1e6 * (0.01 / 12) / 1000});
+    auto body = testing::cantilever<double, Tet10>(
+        {.corner = {0, -0.05, -0.05}, .size = {1, 0.1, 0.1}, .cells = {20, 2, 2}, .split = BlockSplit::kuhn6},
+        {.young = 1e6, .poisson = row.poisson, .density = 1000}, row.load * 1e6 * (0.01 / 12) / 1000);
     EXPECT_TRUE(settle(body, 0.2, 1e-6, 20)) << "q = " << row.load;
     const auto tip = body.displacements()[at(body.mesh().nearest_vertex({1, 0, 0}))];
     std::printf("q %g nu %g: dx %.5f (%.5f) dy %.5f (%.5f)\n", row.load, row.poisson, -tip.x(), row.dx, -tip.z(),

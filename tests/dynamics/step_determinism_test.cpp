@@ -18,12 +18,8 @@ SoftBody<Scalar, Element> swinging_beam() {
   // Long enough for several tasks in every parallel loop.
   const std::array<Index, 3> cells =
       Element::order == 1 ? std::array<Index, 3>{45, 6, 6} : std::array<Index, 3>{26, 3, 3};
-  auto body =
-      must(SoftBody<Scalar, Element>::create(testing::block<Scalar, Element>({.size = {1, 0.2, 0.2}, .cells = cells}),
-                                             Material{.young = 5e5}, {.damping = {.mass = 0.1, .stiffness = 0.001}}));
-  body.pin_where([](const Vec3<Scalar>& x) { return x.x() == 0; });
-  body.set_gravity({0, 0, Scalar(-9.81)});
-  return body;
+  return testing::cantilever<Scalar, Element>({.size = {1, 0.2, 0.2}, .cells = cells}, {.young = 5e5}, 9.81,
+                                              {.damping = {.mass = 0.1, .stiffness = 0.001}});
 }
 
 template <class T>

@@ -58,6 +58,16 @@ TetMesh<Scalar, Element> distorted_block(BlockOptions options, double amount, un
   return must(TetMesh<Scalar, Element>::create(std::move(data)));
 }
 
+/// A block held at x = 0 that bends under its own weight along -z.
+template <class Scalar, class Element>
+SoftBody<Scalar, Element> cantilever(const BlockOptions& block_options, const Material& material, double gravity,
+                                     const BodyOptions& options = {}) {
+  auto body = must(SoftBody<Scalar, Element>::create(block<Scalar, Element>(block_options), material, options));
+  body.pin_where([](const Vec3<Scalar>& x) { return x.x() == 0; });
+  body.set_gravity({0, 0, static_cast<Scalar>(-gravity)});
+  return body;
+}
+
 /// The displacement that takes each rest position X to `map(X)`.
 template <class Mesh, class Map>
 auto displacement_of(const Mesh& mesh, Map&& map) {

@@ -10,6 +10,7 @@
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/element_batch.hpp>
+#include <corotet/element/jacobian.hpp>
 #include <corotet/material/material.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
 #include <corotet/rotation/polar.hpp>
@@ -122,17 +123,14 @@ class Elasticity {
     batch.mu.set(l, 0);
     for (std::size_t a = 0; a < nodes; ++a) batch.vertex[a][at(l)] = exists ? mesh.element(e)[a] : 0;
     for (std::size_t q = 0; q < points; ++q) {
-      Mat3<double> jacobian = Mat3<double>::Identity();
+      Mat3<double> to_space = Mat3<double>::Identity();
       double weight = 0;
       if (exists) {
-        jacobian.setZero();
-        for (std::size_t a = 0; a < nodes; ++a)
-          jacobian += mesh.position(mesh.element(e)[a]).template cast<double>() *
-                      Eigen::Map<const Vec3<double>>(natural_gradients<Element>[q][a].data()).transpose();
+        to_space = jacobian(natural_gradients<Element>[q], [&](std::size_t a) { return mesh.node_position(e, a); });
         weight = Element::stiffness_points[q].weight;
       }
-      batch.point[q].inverse_jacobian.set_lane(l, jacobian.inverse().template cast<Scalar>());
-      batch.point[q].volume.set(l, static_cast<Scalar>(weight * jacobian.determinant()));
+      batch.point[q].inverse_jacobian.set_lane(l, to_space.inverse().template cast<Scalar>());
+      batch.point[q].volume.set(l, static_cast<Scalar>(weight * to_space.determinant()));
     }
   }
 

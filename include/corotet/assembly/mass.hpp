@@ -4,7 +4,8 @@
 #include <array>
 #include <corotet/assembly/block_pattern.hpp>
 #include <corotet/core/types.hpp>
-#include <corotet/element/element_batch.hpp>
+#include <corotet/element/jacobian.hpp>
+#include <corotet/element/reference_element.hpp>
 #include <corotet/material/material.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
 #include <vector>
@@ -89,12 +90,8 @@ class Mass {
     ElementMass<std::size_t{Element::nodes}> m;
     for (const QuadraturePoint& point : Element::mass_points) {
       const auto shape = Element::shape(point.xi);
-      const auto gradient = Element::gradient(point.xi);
-      Mat3<double> jacobian = Mat3<double>::Zero();
-      for (std::size_t a = 0; a < shape.size(); ++a)
-        jacobian += mesh.position(mesh.element(e)[a]).template cast<double>() *
-                    Eigen::Map<const Vec3<double>>(gradient[a].data()).transpose();
-      const double mass = density * point.weight * jacobian.determinant();
+      const auto position = [&](std::size_t a) { return mesh.node_position(e, a); };
+      const double mass = density * point.weight * jacobian(Element::gradient(point.xi), position).determinant();
       m.total += mass;
       for (std::size_t a = 0; a < shape.size(); ++a)
         for (std::size_t b = 0; b < shape.size(); ++b) m.matrix[a][b] += mass * shape[a] * shape[b];

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <corotet/core/types.hpp>
+#include <corotet/element/jacobian.hpp>
 #include <corotet/element/reference_element.hpp>
 #include <corotet/element/tet10.hpp>
 #include <corotet/element/tet4.hpp>
@@ -71,11 +72,7 @@ void measure_jacobian(const std::array<Vec3<double>, Element::nodes>& x, double&
   volume = 0;
   const auto visit = [&](const auto& points, bool integrate) {
     for (const QuadraturePoint& point : points) {
-      const auto gradient = Element::gradient(point.xi);
-      Mat3<double> jacobian = Mat3<double>::Zero();
-      for (std::size_t a = 0; a < x.size(); ++a)
-        jacobian += x[a] * Vec3<double>(gradient[a][0], gradient[a][1], gradient[a][2]).transpose();
-      const double det = jacobian.determinant();
+      const double det = jacobian(Element::gradient(point.xi), [&](std::size_t a) { return x[a]; }).determinant();
       least = std::min(least, det);
       if (integrate) volume += point.weight * det;
     }

@@ -69,6 +69,11 @@ class TetMesh {
   [[nodiscard]] const std::vector<Vec3<Scalar>>& positions() const { return positions_; }
   [[nodiscard]] const Vec3<Scalar>& position(Index vertex) const { return positions_[at(vertex)]; }
 
+  /// The rest position of node `a` of an element, for sums in double.
+  [[nodiscard]] Vec3<double> node_position(Index element, std::size_t a) const {
+    return position(elements_[at(element)][a]).template cast<double>();
+  }
+
   /// The vertex whose rest position is nearest to `x` (m, relative to `origin()`), the first of equals. Looks at each.
   [[nodiscard]] Index nearest_vertex(const Vec3<Scalar>& x) const { return nearest_position(positions_, x); }
 

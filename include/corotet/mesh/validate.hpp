@@ -7,6 +7,7 @@
 #include <corotet/core/number_text.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
+#include <corotet/element/jacobian.hpp>
 #include <corotet/element/reference_element.hpp>
 #include <corotet/mesh/mesh_data.hpp>
 #include <limits>
@@ -83,12 +84,10 @@ Status check_volume(const std::vector<Vec3<double>>& x, const std::array<Index, 
   for (const Index v : nodes) largest = std::max(largest, x[at(v)].cwiseAbs().maxCoeff());
   const auto check_points = [&](const auto& points) -> Status {
     for (const QuadraturePoint& point : points) {
-      const auto gradient = Element::gradient(point.xi);
-      Mat3<double> jacobian = Mat3<double>::Zero();
-      for (std::size_t a = 0; a < nodes.size(); ++a)
-        jacobian += x[at(nodes[a])] * Eigen::Map<const Vec3<double>>(gradient[a].data()).transpose();
-      const double det = jacobian.determinant();
-      const double size = jacobian.colwise().norm().maxCoeff();
+      const Mat3<double> to_space =
+          jacobian(Element::gradient(point.xi), [&](std::size_t a) { return x[at(nodes[a])]; });
+      const double det = to_space.determinant();
+      const double size = to_space.colwise().norm().maxCoeff();
       const double rounding = 4 * epsilon * size * size * std::max(size, largest);
       if (!(det > rounding) || !std::isfinite(det)) {
         const bool curved = Element::order > 1 && corner_volume(x, nodes.data()) * 6 > rounding;

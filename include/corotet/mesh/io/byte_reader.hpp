@@ -75,16 +75,10 @@ class ByteReader : public StickyError {
   /// True if the rest of the data can hold `items` of `bytes_each` bytes.
   bool fits(std::size_t items, std::string_view what, std::size_t bytes_each) {
     if (!ok()) return false;
-    if (bytes_each != 0 && items > remaining() / bytes_each) {
-      fail("announces " + std::to_string(items) + " " + std::string(what) + ", but only " +
-           std::to_string(remaining()) + " bytes follow");
-      return false;
-    }
-    if (items > static_cast<std::size_t>(std::numeric_limits<Index>::max())) {
-      fail("has more " + std::string(what) + " than 32-bit indices can number", ErrorCode::unsupported);
-      return false;
-    }
-    return true;
+    const std::size_t room = bytes_each == 0 ? items : remaining() / bytes_each;
+    const Misfit misfit = misfit_of(items, what, room, remaining());
+    if (!misfit.reason.empty()) fail(misfit.reason, misfit.code);
+    return misfit.reason.empty();
   }
 
   /// The next `size` bytes as they are; empty after a failure.

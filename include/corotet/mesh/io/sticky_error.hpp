@@ -2,6 +2,9 @@
 #pragma once
 
 #include <corotet/core/result.hpp>
+#include <corotet/core/types.hpp>
+#include <cstddef>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,6 +17,21 @@ inline std::string quoted(std::string_view text) {
   std::string out = "'";
   for (const char c : text.substr(0, most)) out += (c < ' ' || c > '~') ? '?' : c;
   return out + (text.size() > most ? "...'" : "'");
+}
+
+struct Misfit {
+  std::string reason;
+  ErrorCode code = ErrorCode::malformed_file;
+};
+
+/// Why an announced number of items cannot be true where there is room for `room` of them; an empty reason if it can.
+inline Misfit misfit_of(std::size_t items, std::string_view what, std::size_t room, std::size_t bytes_left) {
+  if (items > room)
+    return {"announces " + std::to_string(items) + " " + std::string(what) + ", but only " +
+            std::to_string(bytes_left) + " bytes follow"};
+  if (items > static_cast<std::size_t>(std::numeric_limits<Index>::max()))
+    return {"has more " + std::string(what) + " than 32-bit indices can number", ErrorCode::unsupported};
+  return {};
 }
 
 /// Base of the scanners. The first failure sticks: every later read returns zero or nothing at once, so that a reader

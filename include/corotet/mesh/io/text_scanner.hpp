@@ -109,17 +109,10 @@ class TextScanner : public StickyError {
   /// True if the rest of the text can hold `items` times `tokens_each` tokens (a token and its separator: 2 bytes).
   bool fits(std::size_t items, std::string_view what, std::size_t tokens_each) {
     if (!ok()) return false;
-    const std::size_t room = (remaining() + 1) / 2;
-    if (tokens_each != 0 && items > room / tokens_each) {
-      fail("announces " + std::to_string(items) + " " + std::string(what) + ", but only " +
-           std::to_string(remaining()) + " bytes follow");
-      return false;
-    }
-    if (items > static_cast<std::size_t>(std::numeric_limits<Index>::max())) {
-      fail("has more " + std::string(what) + " than 32-bit indices can number", ErrorCode::unsupported);
-      return false;
-    }
-    return true;
+    const std::size_t room = tokens_each == 0 ? items : (remaining() + 1) / 2 / tokens_each;
+    const Misfit misfit = misfit_of(items, what, room, remaining());
+    if (!misfit.reason.empty()) fail(misfit.reason, misfit.code);
+    return misfit.reason.empty();
   }
 
   /// Moves to just behind the next occurrence of `mark`. Fails if there is none.
