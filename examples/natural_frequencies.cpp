@@ -47,7 +47,7 @@ Eigen::VectorXd lowest_eigenvalues(const Body& body, int count) {
       Field<double> x(at(body.vertex_count())), solution(x.size());
       flat(x) = basis.col(j);
       const Field<double> right_side = times_mass(x);
-      factor.solve(right_side, solution);
+      factor.factor().solve(right_side, solution);
       next.col(j) = flat(solution);
       k_next.col(j) = flat(right_side);  // K times the solution
       m_next.col(j) = flat(times_mass(solution));

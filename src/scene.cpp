@@ -97,8 +97,10 @@ void read_solver(ObjectReader& in, SolverOptions& solver) {
   in.choice("preconditioner", solver.preconditioner,
             {{"auto", PreconditionerKind::automatic},
              {"jacobi", PreconditionerKind::jacobi},
-             {"block_jacobi", PreconditionerKind::block_jacobi}},
-            {"rigid_aggregates", "ic0", "warped_cholesky"});
+             {"block_jacobi", PreconditionerKind::block_jacobi},
+             {"rigid_aggregates", PreconditionerKind::rigid_aggregates},
+             {"warped_cholesky", PreconditionerKind::warped_cholesky}},
+            {"ic0"});
   in.number("tolerance", solver.tolerance, Range::between(0, 1));
   in.integer("max_iterations", solver.max_iterations, 1);
 }

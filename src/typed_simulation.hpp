@@ -46,8 +46,7 @@ class TypedSimulation final : public Simulation {
     facts.mass = body_.mass().total();
     const AutoSolver<Scalar>& solver = integrator_.solver();
     facts.solver = solver.method() == SolverMethod::cholesky ? "cholesky" : "pcg";
-    if (solver.method() != SolverMethod::cholesky)
-      facts.preconditioner = solver.preconditioner() == PreconditionerKind::jacobi ? "jacobi" : "block_jacobi";
+    if (solver.method() != SolverMethod::cholesky) facts.preconditioner = name_of(solver.preconditioner());
     return facts;
   }
 

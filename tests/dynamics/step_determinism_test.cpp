@@ -29,7 +29,7 @@ TYPED_TEST_SUITE(StepDeterminism, testing::AllCases);
 TYPED_TEST(StepDeterminism, SameBitsTwiceAndOnAnyNumberOfThreads) {
   using Scalar = typename TypeParam::Scalar;
   const auto start = swinging_beam<Scalar, typename TypeParam::Element>();
-  ASSERT_GT(start.vertex_count(), 2 * DotProduct::grain - 1) << "too small to be split among threads";
+  ASSERT_GT(start.vertex_count(), 2 * RangeSum::grain - 1) << "too small to be split among threads";
   const auto run = [&](int threads) {
     auto body = start;
     program::ThreadPool pool(threads);

@@ -122,7 +122,7 @@ TEST_F(RunCommand, EveryChoiceRuns) {
           EXPECT_EQ(summary["rotation"], rotation);
           EXPECT_EQ(summary["rotation_site"], site);
         }
-  for (const char* preconditioner : {"auto", "jacobi", "block_jacobi"})
+  for (const char* preconditioner : {"auto", "jacobi", "block_jacobi", "rigid_aggregates", "warped_cholesky"})
     for (const char* mass : {"lumped", "consistent"}) {
       const Json summary =
           run(std::string(R"({"mesh": "beam.msh", "steps": 3, "pins": [{"box": [[0,0,0],[0,1,1]]}], "mass": ")") +
@@ -210,7 +210,7 @@ TEST_F(RunCommand, RefusedStepEndsTheRunAndSaysWhy) {
 TEST_F(RunCommand, UnconvergedStepsAreCountedAndWarnedOf) {
   must("mesh beam --cells 8 2 2 -o beam.msh");
   const std::string scene = R"({"mesh": "beam.msh", "pins": [{"box": [[0,0,0],[0,1,1]]}], "steps": 3,
-    "solver": {"name": "pcg", "max_iterations": 2}})";
+    "solver": {"name": "pcg", "preconditioner": "block_jacobi", "max_iterations": 2}})";
   write("scene.json", scene);
   const Outcome outcome = corotet("run scene.json -o out");
   EXPECT_EQ(outcome.exit_code, 0);

@@ -75,8 +75,6 @@ TEST_F(SceneErrors, EachIsNamedByItsKeyAndNothingIsWritten) {
       {R"("solver": {"name": "cholmod"})", "solver.name: \"cholmod\" is not in this version, which has: auto, pcg"},
       {R"("solver": {"name": "lu"})", "solver.name: must be one of: auto, pcg, cholesky"},
       {R"("solver": {"preconditioner": "ic0"})", "solver.preconditioner: \"ic0\" is not in this version"},
-      {R"("solver": {"preconditioner": "rigid_aggregates"})", "solver.preconditioner: \"rigid_aggregates\" is not in"},
-      {R"("solver": {"preconditioner": "warped_cholesky"})", "solver.preconditioner: \"warped_cholesky\" is not in"},
       {R"("solver": {"tolerance": -1})", "solver.tolerance: must be > 0 and < 1, is -1"},
       {R"("solver": {"tolerance": 0})", "solver.tolerance: must be > 0"},
       {R"("solver": {"max_iterations": 0})", "solver.max_iterations: must be >= 1"},

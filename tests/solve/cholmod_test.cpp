@@ -36,11 +36,12 @@ TYPED_TEST(Cholmod, ReportsAMatrixThatIsNotPositiveDefinite) {
       std::make_shared<const BlockPattern>(BlockPattern::of(mesh.elements(), mesh.vertex_count())));
   for (Index i = 0; i < a.rows(); ++i) a.block(a.pattern().diagonal[at(i)]) = -Mat3<TypeParam>::Identity();
   CholmodSolver<TypeParam> solver;
-  solver.analyze(a.pattern());
+  solver.analyze(a.shared_pattern(), mesh.positions());
   const Field<TypeParam> b = testing::random_field<TypeParam>(a.rows(), 1, 1);
   Field<TypeParam> x(b.size());
   SerialExecutor serial;
-  EXPECT_EQ(solver.solve(a, b, x, serial).status, SolveStatus::breakdown);
+  const Field<TypeParam> still(b.size(), Vec3<TypeParam>::Zero());
+  EXPECT_EQ(solver.solve({a, b, still, {}, 1}, x, serial).status, SolveStatus::breakdown);
 }
 
 }  // namespace

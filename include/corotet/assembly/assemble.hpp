@@ -5,32 +5,52 @@
 #include <corotet/assembly/elasticity.hpp>
 #include <corotet/assembly/mass.hpp>
 #include <corotet/core/executor.hpp>
+#include <cstddef>
+#include <utility>
 
 namespace corotet {
+
+namespace detail {
+
+/// Adds the mass to a block of the stiffness and to its mirror image; on the diagonal, makes the block as symmetric as
+/// it is but for rounding.
+template <std::floating_point Scalar>
+void add_mass(const BlockPattern& pattern, const Mass<Scalar>& mass, Scalar mass_factor, Index row, Index slot,
+              Index mirror, BlockMatrix<Scalar>& matrix) {
+  const Scalar m = mass_factor * mass.factor(pattern, row, slot);
+  // Number by number: a vector that was just stored in parts is slow to load.
+  Scalar* const k = matrix.values(slot);
+  Scalar* const k_t = matrix.values(mirror);
+  for (std::size_t i = 0; i < 9; i += 4) k[i] += m;
+  if (slot == mirror)
+    for (const auto& [i, j] : {std::pair{1, 3}, std::pair{2, 6}, std::pair{5, 7}}) k[i] = k[j] = (k[i] + k[j]) / 2;
+  else
+    for (std::size_t i = 0; i < 9; i += 4) k_t[i] = k[i];
+}
+
+}  // namespace detail
 
 /// matrix = mass_factor * M + stiffness_factor * K', with the warped stiffness K' of the evaluated state. Both
 /// triangles are bitwise mirror images. `mass_factor` has no unit, `stiffness_factor` is in s^2 if the result is to be
 /// in kg.
 template <std::floating_point Scalar, class Law, Executor E>
-void assemble(const Law& law, const typename Law::Evaluation& state, const Mass<Scalar>& mass, Scalar mass_factor,
+void assemble(const Law& /*law*/, const typename Law::Evaluation& state, const Mass<Scalar>& mass, Scalar mass_factor,
               Scalar stiffness_factor, BlockMatrix<Scalar>& matrix, E& executor) {
-  constexpr Index n = Law::nodes;
+  constexpr std::size_t n = Law::nodes;
   constexpr Index grain = 8 * BlockMatrix<Scalar>::row_grain;
   const BlockPattern& p = matrix.pattern();
+  const bool consistent = mass.model() == MassModel::consistent;
   for_ranges(executor, size_of(p.upper), grain, [&](Index begin, Index end) {
     for (Index u = begin; u < end; ++u) {
-      Mat3<Scalar> k = Mat3<Scalar>::Zero();
+      StiffnessSum<Scalar> sum;
       for (Index c = p.contribution_start[at(u)]; c < p.contribution_start[at(u) + 1]; ++c) {
-        const Index code = p.contribution[at(c)];
-        k += law.stiffness_block(state, code / (n * n), code / n % n, code % n);
+        const std::size_t code = at(p.contribution[at(c)]), row = code / n;
+        sum.add(state, row, row / n * n + code % n);
       }
       const auto [slot, mirror] = p.upper[at(u)];
+      sum.write(stiffness_factor, matrix.values(slot), matrix.values(mirror));
       const Index row = p.column[at(mirror)];
-      k *= stiffness_factor;
-      if (slot == mirror) k = (k + k.transpose().eval()) / Scalar(2);  // symmetric up to rounding: make it exact
-      k.diagonal().array() += mass_factor * mass.factor(p, row, slot);
-      matrix.block(slot) = k;
-      matrix.block(mirror) = k.transpose();
+      if (slot == mirror || consistent) detail::add_mass(p, mass, mass_factor, row, slot, mirror, matrix);
     }
   });
 }

@@ -1,25 +1,30 @@
-// The matrix of a body: 3x3 blocks in compressed rows on a fixed pattern.
+// The matrix of a body: small square blocks in compressed rows on a fixed pattern.
 #pragma once
 
+#include <array>
 #include <corotet/assembly/block_pattern.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
+#include <cstddef>
 #include <memory>
 #include <utility>
 #include <vector>
 
 namespace corotet {
 
-/// The values of a symmetric matrix on a BlockPattern, which it shares. Both triangles are stored.
-template <std::floating_point Scalar>
+/// The values of a symmetric matrix on a BlockPattern, which it shares. Both triangles are stored: with half of them a
+/// product reads half as much and computes more, which did not pay on bodies that fit a cache (docs/speed.md).
+/// B = 3: a body's vertices; B = 6: rigid aggregates of them.
+template <std::floating_point Scalar, int B = 3>
 class BlockMatrix {
  public:
   using scalar_type = Scalar;
-  using Block = Mat3<Scalar>;
+  using Block = Eigen::Matrix<Scalar, B, B>;
 
   BlockMatrix() = default;
   explicit BlockMatrix(std::shared_ptr<const BlockPattern> pattern)
-      : pattern_(std::move(pattern)), block_(at(pattern_->blocks()), Block::Zero()) {}
+      : pattern_(std::move(pattern)), value_(block_size * at(pattern_->blocks()) + padding, Scalar(0)) {}
 
   [[nodiscard]] const BlockPattern& pattern() const { return *pattern_; }
 
@@ -28,32 +33,61 @@ class BlockMatrix {
   /// Block rows, one a vertex.
   [[nodiscard]] Index rows() const { return pattern_->rows(); }
 
-  [[nodiscard]] Block& block(Index slot) { return block_[at(slot)]; }
-  [[nodiscard]] const Block& block(Index slot) const { return block_[at(slot)]; }
-  [[nodiscard]] const Block& diagonal(Index row) const { return block_[at(pattern_->diagonal[at(row)])]; }
+  /// Views of a block, column-major.
+  [[nodiscard]] Eigen::Map<Block> block(Index slot) { return Eigen::Map<Block>(values(slot)); }
+  [[nodiscard]] Eigen::Map<const Block> block(Index slot) const { return Eigen::Map<const Block>(values(slot)); }
+  [[nodiscard]] Eigen::Map<const Block> diagonal(Index row) const { return block(pattern_->diagonal[at(row)]); }
 
-  /// (A x) of one block row.
-  [[nodiscard]] Vec3<Scalar> row_product(Index row, const Field<Scalar>& x) const {
-    Vec3<Scalar> sum = Vec3<Scalar>::Zero();
-    for (Index k = pattern_->row_start[at(row)]; k < pattern_->row_start[at(row) + 1]; ++k)
-      sum += block_[at(k)] * x[at(pattern_->column[at(k)])];
-    return sum;
+  /// The numbers of a block and of those behind it; at least three more can be read after the last.
+  [[nodiscard]] Scalar* values(Index slot) { return value_.data() + block_size * at(slot); }
+  [[nodiscard]] const Scalar* values(Index slot) const { return value_.data() + block_size * at(slot); }
+
+  /// (A x) of one block row; the fourth number of the Quad is zero.
+  template <class FieldType>
+  [[nodiscard]] COROTET_ALWAYS_INLINE Quad<Scalar> row_product(Index row, const FieldType& x) const
+    requires(B == 3)
+  {
+    // Three columns of each of two blocks: six chains of additions, or their latency is what takes the time.
+    std::array<Quad<Scalar>, 6> sum;
+    sum.fill(Quad<Scalar>(Scalar(0)));
+    const auto add = [&](Index k, std::size_t first) {
+      const Scalar* a = values(k);
+      const Scalar* v = x[at(pattern_->column[at(k)])].data();
+      for (std::size_t c = 0; c < 3; ++c) sum[first + c] += Quad<Scalar>::load(a + 3 * c) * Quad<Scalar>(v[c]);
+    };
+    const Index end = pattern_->row_start[at(row) + 1];
+    Index k = pattern_->row_start[at(row)];
+    for (; k + 1 < end; k += 2) {
+      add(k, 0);
+      add(k + 1, 3);
+    }
+    if (k < end) add(k, 0);
+    return ((sum[0] + sum[3]) + (sum[1] + sum[4]) + (sum[2] + sum[5])).first_three();
   }
 
   /// Sum over j of A_ij (x_j - x_i): (A x)_i for a matrix whose rows sum to zero, free of the rounding that a rigid
   /// translation in x would cause.
-  [[nodiscard]] Vec3<Scalar> row_difference(Index row, const Field<Scalar>& x) const {
-    Vec3<Scalar> sum = Vec3<Scalar>::Zero();
-    for (Index k = pattern_->row_start[at(row)]; k < pattern_->row_start[at(row) + 1]; ++k)
-      sum += block_[at(k)] * (x[at(pattern_->column[at(k)])] - x[at(row)]);
-    return sum;
+  [[nodiscard]] COROTET_ALWAYS_INLINE Quad<Scalar> row_difference(Index row, const Field<Scalar>& x) const
+    requires(B == 3)
+  {
+    std::array<Quad<Scalar>, 3> sum;
+    sum.fill(Quad<Scalar>(Scalar(0)));
+    const Vec3<Scalar> here = x[at(row)];
+    for (Index k = pattern_->row_start[at(row)]; k < pattern_->row_start[at(row) + 1]; ++k) {
+      const Scalar* a = values(k);
+      const Vec3<Scalar> v = x[at(pattern_->column[at(k)])] - here;
+      for (int c = 0; c < 3; ++c) sum[at(c)] += Quad<Scalar>::load(a + 3 * c) * Quad<Scalar>(v[c]);
+    }
+    return (sum[0] + sum[1] + sum[2]).first_three();
   }
 
   /// y = A x. Both fields have `rows()` entries and do not alias.
   template <Executor E>
-  void apply(const Field<Scalar>& x, Field<Scalar>& y, E& executor) const {
+  void apply(const Field<Scalar>& x, Field<Scalar>& y, E& executor) const
+    requires(B == 3)
+  {
     for_ranges(executor, rows(), row_grain, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i) y[at(i)] = row_product(i, x);
+      for (Index i = begin; i < end; ++i) row_product(i, x).template store_part<3>(y[at(i)].data());
     });
   }
 
@@ -65,14 +99,17 @@ class BlockMatrix {
     for (Index k = pattern_->row_start[at(row)]; k < pattern_->row_start[at(row) + 1]; ++k) {
       const Index column = pattern_->column[at(k)];
       if (column == row) continue;
-      block_[at(k)].setZero();
-      block_[at(pattern_->slot(column, row))].setZero();
+      block(k).setZero();
+      block(pattern_->slot(column, row)).setZero();
     }
   }
 
  private:
+  static constexpr std::size_t block_size = std::size_t{B} * B;
+  static constexpr std::size_t padding = 4;
+
   std::shared_ptr<const BlockPattern> pattern_;
-  std::vector<Block> block_;
+  std::vector<Scalar> value_;
 };
 
 }  // namespace corotet

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 #include <corotet/assembly/block_pattern.hpp>
-#include <corotet/core/executor.hpp>
+#include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/element_batch.hpp>
 #include <vector>
@@ -32,24 +32,24 @@ struct DeformationExtremes {
   }
 };
 
-/// Scratch that Elasticity::evaluate fills. Sized once; evaluating allocates nothing.
+/// Scratch that Elasticity::evaluate fills. Sized once; evaluating allocates nothing. Vectors are stored as Quads: what
+/// assembly reads of an element's node comes in one load.
 template <std::floating_point Scalar, ReferenceElement Element>
-struct ElasticEvaluation {
+class ElasticEvaluation {
+ public:
   static constexpr std::size_t points = Element::stiffness_points.size();
-  using ElementForce = std::array<Vec3<Scalar>, Element::nodes>;
-  using ElementGradient = std::array<std::array<Vec3<Scalar>, Element::nodes>, points>;
+  static constexpr std::size_t nodes = Element::nodes;
 
-  std::vector<ElementForce> force;            ///< of each element on its nodes, N
-  std::vector<ElementGradient> gradient;      ///< R grad N at [element][point][node], 1/m
   std::vector<DeformationExtremes> extremes;  ///< one a task
 
   ElasticEvaluation() = default;
 
   template <class Law>
   explicit ElasticEvaluation(const Law& law)
-      : force(at(law.element_count())),
-        gradient(at(law.element_count())),
-        extremes((law.batches().size() + at(Law::batch_grain) - 1) / at(Law::batch_grain)) {}
+      : extremes((law.batches().size() + at(Law::batch_grain) - 1) / at(Law::batch_grain)),
+        force_(at(law.element_count()) * nodes),
+        gradient_(at(law.element_count()) * points * nodes),
+        elements_(at(law.element_count())) {}
 
   [[nodiscard]] DeformationExtremes worst() const {
     DeformationExtremes all;
@@ -57,15 +57,95 @@ struct ElasticEvaluation {
     return all;
   }
 
+  /// The force of an element on its node `a`, N, and a number without meaning.
+  [[nodiscard]] Scalar* force(Index element, std::size_t a) { return force_[at(element) * nodes + a].data(); }
+
+  /// sqrt(mu V) R grad N at quadrature point q, and lambda / mu, of the node that is number `element * nodes + a`.
+  [[nodiscard]] Scalar* gradient(std::size_t q, std::size_t element_node) {
+    return gradient_[q * elements_ * nodes + element_node].data();
+  }
+  [[nodiscard]] COROTET_ALWAYS_INLINE const Scalar* gradient(std::size_t q, std::size_t element_node) const {
+    return gradient_[q * elements_ * nodes + element_node].data();
+  }
+
+  /// Numbers from an element's force or gradient to that of the next element.
+  static constexpr std::size_t stride = 4 * nodes;
+
   /// The elastic force on one vertex, N: the force that the body exerts on it.
   [[nodiscard]] Vec3<Scalar> vertex_force(const BlockPattern& pattern, Index vertex) const {
-    Vec3<Scalar> sum = Vec3<Scalar>::Zero();
-    for (Index k = pattern.incidence_start[at(vertex)]; k < pattern.incidence_start[at(vertex) + 1]; ++k) {
-      const Index incidence = pattern.incidence[at(k)];
-      sum += force[at(incidence / Element::nodes)][at(incidence % Element::nodes)];
-    }
-    return sum;
+    Quad<Scalar> sum(Scalar(0));
+    for (Index k = pattern.incidence_start[at(vertex)]; k < pattern.incidence_start[at(vertex) + 1]; ++k)
+      sum += Quad<Scalar>::load(force_[at(pattern.incidence[at(k)])].data());
+    Vec3<Scalar> force;
+    sum.template store_part<3>(force.data());
+    return force;
   }
+
+ private:
+  struct alignas(4 * sizeof(Scalar)) Four : std::array<Scalar, 4> {};
+
+  std::vector<Four> force_;     // [element][node]
+  std::vector<Four> gradient_;  // [point][element][node]
+  std::size_t elements_ = 0;
+};
+
+/// The sum of element contributions to one 3x3 block of the warped stiffness.
+template <std::floating_point Scalar>
+class StiffnessSum {
+ public:
+  /// Adds block (a, b) of an element. With g = R grad N it is
+  /// sum V (lambda g_a g_b^T + mu g_b g_a^T + mu (g_a . g_b) I).
+  /// `row` and `column`: element * nodes + a, and + b.
+  template <class Evaluation>
+  COROTET_ALWAYS_INLINE void add(const Evaluation& state, std::size_t row, std::size_t column) {
+    for (std::size_t q = 0; q < Evaluation::points; ++q) {
+      const Scalar* gb = state.gradient(q, column);
+      const Q ga = Q::load(state.gradient(q, row));
+      const Q lambda_ga = ga * Q(gb[3]);
+      for (std::size_t c = 0; c < 3; ++c) {
+        mu_[c] += ga * Q(gb[c]);
+        lambda_[c] += lambda_ga * Q(gb[c]);
+      }
+    }
+  }
+
+  /// Writes the sum times `factor` (whose units are those of the result per N/m) to the nine numbers at `block`, and
+  /// its transpose, the same numbers, to those at `mirror`.
+  COROTET_ALWAYS_INLINE void write(Scalar factor, Scalar* block, Scalar* mirror) const {
+    const std::array<Q, 3> lambda_t = transposed(lambda_[0], lambda_[1], lambda_[2]);
+    const std::array<Q, 3> mu_t = transposed(mu_[0], mu_[1], mu_[2]);
+    const Q trace = diagonal_sum();
+    std::array<Q, 3> k, k_t;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Q isotropic = trace * unit(c), scale(factor);
+      k[c] = scale * (lambda_[c] + mu_t[c] + isotropic);
+      k_t[c] = scale * (mu_[c] + lambda_t[c] + isotropic);
+    }
+    write_columns(k, block);
+    write_columns(k_t, mirror);
+  }
+
+ private:
+  using Q = Quad<Scalar>;
+
+  [[nodiscard]] COROTET_ALWAYS_INLINE static Q unit(std::size_t c) {
+    std::array<Scalar, 4> e{};
+    e[c] = 1;
+    return Q::load(e.data());
+  }
+  [[nodiscard]] COROTET_ALWAYS_INLINE Q diagonal_sum() const {
+    std::array<std::array<Scalar, 4>, 3> m;
+    for (std::size_t c = 0; c < 3; ++c) mu_[c].store(m[c].data());
+    return Q(m[0][0] + m[1][1] + m[2][2]);
+  }
+  COROTET_ALWAYS_INLINE static void write_columns(const std::array<Q, 3>& column, Scalar* out) {
+    column[0].store(out);  // what is written behind a column is overwritten by the next
+    column[1].store(out + 3);
+    column[2].template store_part<3>(out + 6);
+  }
+
+  // Columns of sum lambda V g_a g_b^T and of sum mu V g_a g_b^T.
+  std::array<Q, 3> lambda_{Q(Scalar(0)), Q(Scalar(0)), Q(Scalar(0))}, mu_{Q(Scalar(0)), Q(Scalar(0)), Q(Scalar(0))};
 };
 
 }  // namespace corotet

@@ -36,7 +36,7 @@ class Elasticity {
 
   /// `materials` must pass Materials::check for this mesh.
   Elasticity(const TetMesh<Scalar, Element>& mesh, const Materials& materials)
-      : elements_(mesh.element_count()), batches_(at(batch_count(elements_))), stiffness_(at(elements_)) {
+      : elements_(mesh.element_count()), batches_(at(batch_count(elements_))) {
     for (Index e = 0; e < size_of(batches_) * lane_count<Scalar>; ++e) set_rest_state(mesh, e);
     set_materials(materials);
   }
@@ -49,8 +49,6 @@ class Elasticity {
       const int l = e % lane_count<Scalar>;
       batch.lambda.set(l, static_cast<Scalar>(lambda));
       batch.mu.set(l, static_cast<Scalar>(mu));
-      for (std::size_t q = 0; q < points; ++q)
-        stiffness_[at(e)][q] = {batch.lambda[l] * batch.point[q].volume[l], batch.mu[l] * batch.point[q].volume[l]};
     }
   }
 
@@ -85,18 +83,13 @@ class Elasticity {
     return sum;
   }
 
-  /// Block (a, b) of the warped stiffness R K_e R^T of an element, at the evaluated state, N/m. With g = R grad N:
-  /// sum V (lambda g_a g_b^T + mu g_b g_a^T + mu (g_a . g_b) I).
+  /// Block (a, b) of the warped stiffness R K_e R^T of an element, at the evaluated state, N/m: see StiffnessSum.
   [[nodiscard]] Mat3<Scalar> stiffness_block(const Evaluation& at_state, Index element, int a, int b) const {
-    Mat3<Scalar> k = Mat3<Scalar>::Zero();
-    const auto& gradient = at_state.gradient[at(element)];
-    for (std::size_t q = 0; q < points; ++q) {
-      const auto [lambda, mu] = stiffness_[at(element)][q];
-      const Vec3<Scalar>&ga = gradient[q][at(a)], &gb = gradient[q][at(b)];
-      k += (lambda * ga) * gb.transpose() + (mu * gb) * ga.transpose();
-      k.diagonal().array() += mu * ga.dot(gb);
-    }
-    return k;
+    StiffnessSum<Scalar> sum;
+    sum.add(at_state, at(element * nodes + a), at(element * nodes + b));
+    Mat3<Scalar> block, mirror;
+    sum.write(1, block.data(), mirror.data());
+    return block;
   }
 
   /// Batches that one task works on.
@@ -191,6 +184,7 @@ class Elasticity {
     const Index first = b * lane_count<Scalar>;
     const int used = static_cast<int>(std::min<Index>(lane_count<Scalar>, elements_ - first));
 
+    const L ratio = batch.lambda / select(batch.mu > 0, batch.mu, L(1));  // lanes beyond the last element have no mu
     for (std::size_t q = 0; q < points; ++q) {
       const Mat3Lanes<Scalar>&fq = f[q], &rq = r[q];
       const Strain e = strain(fq, rq);
@@ -206,20 +200,25 @@ class Elasticity {
       product_with_transpose(rq, inverse, rotated);
       product(rq, stress, rotated_stress);
       product_with_transpose(rotated_stress, inverse, natural_stress);
+      const L root = sqrt(batch.mu * batch.point[q].volume);
+      for (auto& row : rotated.entry)
+        for (L& entry : row) entry = entry * root;
 
-      for (std::size_t a = 0; a < nodes; ++a)
+      for (std::size_t a = 0; a < nodes; ++a) {
+        Vec3Lanes<Scalar> gradient;
         for (std::size_t i = 0; i < 3; ++i) {
-          L gradient = 0;
+          gradient[i] = 0;
           for (std::size_t c = 0; c < 3; ++c) {
-            Batch::add_gradient(q, a, c, rotated.entry[i][c], gradient);
+            Batch::add_gradient(q, a, c, rotated.entry[i][c], gradient[i]);
             Batch::add_gradient(q, a, c, natural_stress.entry[i][c], force[a][i]);
           }
-          for (int l = 0; l < used; ++l) out.gradient[at(first + l)][q][a][static_cast<int>(i)] = gradient[l];
         }
+        store_side_by_side(gradient[0], gradient[1], gradient[2], ratio, out.gradient(q, at(first * nodes) + a),
+                           Evaluation::stride, used);
+      }
     }
     for (std::size_t a = 0; a < nodes; ++a)
-      for (int i = 0; i < 3; ++i)
-        for (int l = 0; l < used; ++l) out.force[at(first + l)][a][i] = force[a][at(i)][l];
+      store_side_by_side(force[a][0], force[a][1], force[a][2], L(0), out.force(first, a), Evaluation::stride, used);
     for (int l = 0; l < used; ++l) {
       extremes.inverted_elements += least_determinant[l] > 0 ? 0 : 1;
       extremes.largest_strain2 = std::max<double>(extremes.largest_strain2, largest_strain2[l]);
@@ -252,13 +251,8 @@ class Elasticity {
       for (int j = 0; j < 3; ++j) abt(i, j) = a(i, 0) * b(j, 0) + a(i, 1) * b(j, 1) + a(i, 2) * b(j, 2);
   }
 
-  struct PointStiffness {
-    Scalar lambda, mu;  // times the volume of the point
-  };
-
   Index elements_;
   std::vector<Batch> batches_;
-  std::vector<std::array<PointStiffness, points>> stiffness_;
 };
 
 }  // namespace corotet

@@ -1,13 +1,16 @@
 // Batches: the same quantity of several elements side by side, so that one instruction serves all of them.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <concepts>
 #include <corotet/core/simd_pack.hpp>
 #include <corotet/core/types.hpp>
+#include <cstddef>
 #include <cstring>
+#include <utility>
 
 namespace corotet {
 
@@ -103,8 +106,36 @@ class alignas(64) Lanes {
     return Lanes(std::bit_cast<Pack>(root));
   }
 
+  /// Writes (x, y, z, w) of lane l to the four numbers at `out + l * stride`, for each lane < count.
+  friend COROTET_ALWAYS_INLINE void store_side_by_side(const Lanes& x, const Lanes& y, const Lanes& z, const Lanes& w,
+                                                       Scalar* out, std::size_t stride, int count) {
+    interleave_and_store(x.pack_, y.pack_, z.pack_, w.pack_, out, stride, count);
+  }
+
  private:
   using Pack = detail::Pack<Scalar, size>;
+
+  template <class P>
+  COROTET_ALWAYS_INLINE static void interleave_and_store(const P& x, const P& y, const P& z, const P& w, Scalar* out,
+                                                         std::size_t stride, int count) {
+    constexpr int lanes = sizeof(P) / sizeof(Scalar);
+    if constexpr (lanes < 4) {
+      std::array<std::array<Scalar, std::size_t{lanes}>, 4> part;
+      const std::array<const P*, 4> source{&x, &y, &z, &w};
+      for (std::size_t i = 0; i < 4; ++i) std::memcpy(part[i].data(), source[i], sizeof(P));
+      for (int l = 0; l < std::min(lanes, count); ++l)
+        for (std::size_t i = 0; i < 4; ++i) out[at(l) * stride + i] = part[i][at(l)];
+    } else if constexpr (detail::Whole<P>) {
+      const auto quads =
+          detail::interleave4(x.value, y.value, z.value, w.value, std::make_integer_sequence<int, lanes>());
+      for (int l = 0; l < std::min(lanes, count); ++l)
+        std::memcpy(out + at(l) * stride, reinterpret_cast<const Scalar*>(&quads[at(l % 4)]) + l / 4 * 4,
+                    4 * sizeof(Scalar));
+    } else {
+      interleave_and_store(x.low, y.low, z.low, w.low, out, stride, count);
+      interleave_and_store(x.high, y.high, z.high, w.high, out + at(lanes / 2) * stride, stride, count - lanes / 2);
+    }
+  }
 
   COROTET_ALWAYS_INLINE explicit Lanes(const Pack& pack) : pack_(pack) {}
 

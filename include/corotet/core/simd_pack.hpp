@@ -1,9 +1,11 @@
 // A fixed number of values that the compiler keeps in vector registers of whatever width it is allowed to use.
 #pragma once
 
+#include <array>
 #include <concepts>
 #include <cstdint>
 #include <type_traits>
+#include <utility>
 
 // The vector extension of GCC and Clang costs almost no compile time (the same expressions over Eigen arrays took
 // several times as long). Elsewhere a value stands alone, and the optimiser finds the vectors as well as it can. The
@@ -61,6 +63,34 @@ concept Whole = requires(const P& p) { p.value; };
 /// Integers of the size of T, -1 for true and 0 for false: what comparing gives.
 template <class T>
 using MaskInteger = std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>;
+
+#if defined(__GNUC__)
+/// Four values of T for each of N items, given as one pack a value, in the order in which each item's four lie side by
+/// side: out[k] holds items k, 4 + k, 8 + k, ... Each register of the pack must hold four values or more.
+template <class V, int... I>
+[[nodiscard]] COROTET_ALWAYS_INLINE std::array<V, 4> interleave4(const V& x, const V& y, const V& z, const V& w,
+                                                                 std::integer_sequence<int, I...>) {
+  constexpr int n = sizeof...(I);
+  // Within each group of four: x0 y0 x1 y1, x2 y2 x3 y3, and the same of z and w; then halves side by side.
+  const V a = __builtin_shufflevector(x, y, (I / 4 * 4 + I % 4 / 2 + I % 2 * n)...);
+  const V b = __builtin_shufflevector(x, y, (I / 4 * 4 + 2 + I % 4 / 2 + I % 2 * n)...);
+  const V c = __builtin_shufflevector(z, w, (I / 4 * 4 + I % 4 / 2 + I % 2 * n)...);
+  const V d = __builtin_shufflevector(z, w, (I / 4 * 4 + 2 + I % 4 / 2 + I % 2 * n)...);
+  const auto low = [](const V& p, const V& q) {
+    return __builtin_shufflevector(p, q, (I / 4 * 4 + I % 2 + I % 4 / 2 * n)...);
+  };
+  const auto high = [](const V& p, const V& q) {
+    return __builtin_shufflevector(p, q, (I / 4 * 4 + 2 + I % 2 + I % 4 / 2 * n)...);
+  };
+  return {low(a, c), high(a, c), low(b, d), high(b, d)};
+}
+
+/// The first three of four values, and zero.
+template <class V>
+[[nodiscard]] COROTET_ALWAYS_INLINE V first_three(const V& v) {
+  return __builtin_shufflevector(v, V{}, 0, 1, 2, 7);
+}
+#endif
 
 /// f on each register of the arguments, for results of the same type as the first.
 template <class Result, class Function, class P, class... Q>

@@ -39,7 +39,7 @@ class ImplicitEuler {
         change_(right_side_),
         velocity_(right_side_),
         displacement_(right_side_) {
-    solver_.analyze(*body.pattern());
+    solver_.analyze(body.pattern(), body.mesh().positions());
   }
   ImplicitEuler(const Body& body, const typename Solver::Options& options) : ImplicitEuler(body, Solver(options)) {}
 
@@ -57,7 +57,8 @@ class ImplicitEuler {
     build_system(body, h, executor);
 
     observer(StepPhase::solve);
-    const SolveReport solve = solver_.solve(matrix_, right_side_, change_, executor);
+    const StepSystem<Scalar> system{matrix_, right_side_, body.displacements(), body.pins().vertices(), era_};
+    const SolveReport solve = solver_.solve(system, change_, executor);
     report.converged = solve.status == SolveStatus::converged;
     report.iterations = solve.iterations;
     report.residual = solve.residual;
@@ -117,8 +118,11 @@ class ImplicitEuler {
   void build_system(const Body& body, Scalar h, E& executor) {
     const auto [mass_damping, stiffness_damping] = body.damping();
     const auto mass_factor = static_cast<Scalar>(1 + h * mass_damping);
-    assemble(body.law(), evaluation_, body.mass(), mass_factor, static_cast<Scalar>(h * (h + stiffness_damping)),
-             matrix_, executor);
+    const auto stiffness_factor = static_cast<Scalar>(h * (h + stiffness_damping));
+    assemble(body.law(), evaluation_, body.mass(), mass_factor, stiffness_factor, matrix_, executor);
+    const Settings settings{mass_factor, stiffness_factor, body.material_revision(), body.pins().revision()};
+    if (settings != settings_) ++era_;
+    settings_ = settings;
 
     velocity_ = body.velocities();
     const auto& pinned = body.pins().vertices();
@@ -130,9 +134,10 @@ class ImplicitEuler {
         const Vec3<Scalar> force = evaluation_.vertex_force(*body.pattern(), i) + body.external_forces()[at(i)] +
                                    body.mass().row_sum(i) * body.gravity();
         // The rows of A sum to (1 + h a) times those of M, because those of K' sum to zero.
+        Vec3<Scalar> product;
+        matrix_.row_difference(i, velocity_).template store_part<3>(product.data());
         right_side_[at(i)] = body.mass().row_product(*body.pattern(), i, body.velocities()) -
-                             mass_factor * body.mass().row_sum(i) * velocity_[at(i)] -
-                             matrix_.row_difference(i, velocity_) + h * force;
+                             mass_factor * body.mass().row_sum(i) * velocity_[at(i)] - product + h * force;
       }
     });
     for (const Index v : pinned) {
@@ -141,11 +146,20 @@ class ImplicitEuler {
     }
   }
 
+  /// What the matrix depends on besides the displacement.
+  struct Settings {
+    Scalar mass_factor = 0, stiffness_factor = 0;
+    std::uint64_t material = 0, pins = 0;
+    friend bool operator==(const Settings&, const Settings&) = default;
+  };
+
   Solver solver_;
   typename Body::Law::Evaluation evaluation_;
   BlockMatrix<Scalar> matrix_;
   Field<Scalar> right_side_, change_, velocity_, displacement_;
   std::uint64_t revision_ = 0;  // of the state in evaluation_
+  Settings settings_;
+  std::uint64_t era_ = 0;  // counts changes of settings_
 };
 
 }  // namespace corotet

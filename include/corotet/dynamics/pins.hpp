@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <corotet/core/assert.hpp>
+#include <corotet/core/revision.hpp>
 #include <corotet/core/types.hpp>
+#include <cstdint>
 #include <vector>
 
 namespace corotet {
@@ -22,6 +24,7 @@ class Pins {
       slot_[at(vertex)] = size_of(vertices_);
       vertices_.push_back(vertex);
       targets_.push_back(displacement);
+      revision_ = new_revision();
     }
     targets_[at(slot_[at(vertex)])] = displacement;
   }
@@ -42,6 +45,7 @@ class Pins {
     slot_[at(vertex)] = none;
     vertices_.pop_back();
     targets_.pop_back();
+    revision_ = new_revision();
   }
 
   [[nodiscard]] bool is_pinned(Index vertex) const {
@@ -52,11 +56,15 @@ class Pins {
   [[nodiscard]] const std::vector<Index>& vertices() const { return vertices_; }
   [[nodiscard]] const Field<Scalar>& targets() const { return targets_; }
 
+  /// Another number whenever the set of pinned vertices is another; targets do not matter.
+  [[nodiscard]] std::uint64_t revision() const { return revision_; }
+
  private:
   static constexpr Index none = -1;
   std::vector<Index> slot_;  // one a vertex
   std::vector<Index> vertices_;
   Field<Scalar> targets_;
+  std::uint64_t revision_ = new_revision();
 };
 
 }  // namespace corotet

@@ -1,13 +1,13 @@
 // A soft body: what it is made of, where it is, how fast it moves, what holds it and what pulls at it.
 #pragma once
 
-#include <atomic>
 #include <cmath>
 #include <concepts>
 #include <corotet/assembly/block_pattern.hpp>
 #include <corotet/assembly/elasticity.hpp>
 #include <corotet/assembly/mass.hpp>
 #include <corotet/core/result.hpp>
+#include <corotet/core/revision.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/pins.hpp>
 #include <corotet/material/material.hpp>
@@ -20,16 +20,6 @@
 #include <vector>
 
 namespace corotet {
-
-namespace detail {
-
-/// Different at every call, on any thread.
-[[nodiscard]] inline std::uint64_t new_revision() {
-  static std::atomic<std::uint64_t> last{0};
-  return last.fetch_add(1, std::memory_order_relaxed) + 1;
-}
-
-}  // namespace detail
 
 struct BodyOptions {
   MassModel mass = MassModel::lumped;
@@ -75,7 +65,7 @@ class SoftBody {
   Status set_displacements(std::span<const Vec3<Scalar>> displacement) {
     if (Status s = check_field("displacements", displacement); !s) return s;
     displacement_.assign(displacement.begin(), displacement.end());
-    revision_ = detail::new_revision();
+    revision_ = new_revision();
     return {};
   }
   Status set_velocities(std::span<const Vec3<Scalar>> velocity) {
@@ -120,9 +110,12 @@ class SoftBody {
     if (Status s = materials.template check<Scalar>(at(mesh_.element_count())); !s) return s;
     law_.set_materials(materials);
     mass_ = Mass<Scalar>(mesh_, materials, mass_.model(), *pattern_);
-    revision_ = detail::new_revision();
+    revision_ = material_revision_ = new_revision();
     return {};
   }
+
+  /// Another number than that of any body with other materials or another mesh.
+  [[nodiscard]] std::uint64_t material_revision() const { return material_revision_; }
 
   /// A number that stands for these displacements and materials: no other state of any body with this mesh has it, but
   /// copies of this one. Lets an integrator keep what it evaluated.
@@ -134,7 +127,7 @@ class SoftBody {
                    "the buffers belong to another body");
     displacement_.swap(displacement);
     velocity_.swap(velocity);
-    revision_ = detail::new_revision();
+    revision_ = new_revision();
   }
 
  private:
@@ -169,7 +162,8 @@ class SoftBody {
   Pins<Scalar> pins_;
   Field<Scalar> displacement_, velocity_, external_force_;
   Vec3<Scalar> gravity_ = Vec3<Scalar>::Zero();
-  std::uint64_t revision_ = detail::new_revision();
+  std::uint64_t revision_ = new_revision();
+  std::uint64_t material_revision_ = revision_;
 };
 
 }  // namespace corotet

@@ -8,12 +8,33 @@
 #include <corotet/solve/block_jacobi.hpp>
 #include <corotet/solve/pcg.hpp>
 #include <corotet/solve/refinement.hpp>
+#include <corotet/solve/rigid_aggregates.hpp>
 #include <corotet/solve/solver.hpp>
+#include <corotet/solve/warped_cholesky.hpp>
+#include <memory>
+#include <string_view>
 
 namespace corotet {
 
 enum class SolverMethod { automatic, pcg, cholesky };
-enum class PreconditionerKind { automatic, jacobi, block_jacobi };
+enum class PreconditionerKind { automatic, jacobi, block_jacobi, rigid_aggregates, warped_cholesky };
+
+/// As in a scene file: "jacobi", ...; "auto" for automatic.
+[[nodiscard]] constexpr std::string_view name_of(PreconditionerKind kind) {
+  switch (kind) {
+    case PreconditionerKind::jacobi:
+      return "jacobi";
+    case PreconditionerKind::block_jacobi:
+      return "block_jacobi";
+    case PreconditionerKind::rigid_aggregates:
+      return "rigid_aggregates";
+    case PreconditionerKind::warped_cholesky:
+      return "warped_cholesky";
+    case PreconditionerKind::automatic:
+      break;
+  }
+  return "auto";
+}
 
 struct SolverOptions {
   SolverMethod method = SolverMethod::automatic;
@@ -33,45 +54,46 @@ class AutoSolver {
   explicit AutoSolver(const Options& options) : options_(options) {}
 
   /// Symbolic work and memory for matrices on this pattern.
-  void analyze(const BlockPattern& pattern) {
-    method_ = options_.method;
-    if (method_ != SolverMethod::pcg) {
-      cholesky_.analyze(pattern);
-      if (method_ == SolverMethod::automatic) method_ = cheaper_method(pattern);
-      if (!cholesky_.fits()) method_ = SolverMethod::pcg;
-    }
-    preconditioner_ = options_.preconditioner == PreconditionerKind::automatic ? PreconditionerKind::block_jacobi
-                                                                               : options_.preconditioner;
+  void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest) {
+    *this = AutoSolver(options_);
+    method_ = options_.method == SolverMethod::automatic ? SolverMethod::pcg : options_.method;
     if (method_ == SolverMethod::cholesky) {
-      cholesky_.allocate();
-      refinement_ = Refinement<Scalar>(pattern.rows());
-      return;
+      cholesky_.analyze(*pattern);
+      if (cholesky_.fits()) {
+        cholesky_.allocate();
+        factor_.assign(cholesky_.factor());
+        in_double_ = BlockMatrix<double>(pattern);
+        refinement_ = Refinement<Scalar>(pattern->rows());
+        return;
+      }
+      method_ = SolverMethod::pcg;
+      cholesky_ = {};
     }
-    cholesky_ = {};
-    pcg_ = Pcg<Scalar>(pattern.rows());
-    if (preconditioner_ == PreconditionerKind::jacobi)
-      jacobi_ = Jacobi<Scalar>(pattern);
+    pcg_ = Pcg<Scalar>(pattern->rows());
+    preconditioner_ = options_.preconditioner;
+    if (preconditioner_ == PreconditionerKind::automatic || preconditioner_ == PreconditionerKind::warped_cholesky) {
+      warped_.analyze(pattern, rest);
+      if (preconditioner_ == PreconditionerKind::automatic) preconditioner_ = cheaper_preconditioner(*pattern);
+      if (!warped_.fits()) preconditioner_ = PreconditionerKind::rigid_aggregates;
+    }
+    if (preconditioner_ == PreconditionerKind::warped_cholesky)
+      warped_.allocate();
     else
-      block_jacobi_ = BlockJacobi<Scalar>(pattern);
+      warped_ = {};
+    if (preconditioner_ == PreconditionerKind::rigid_aggregates)
+      rigid_.analyze(*pattern, rest, aggregate_sizes(pattern->rows()));
+    if (preconditioner_ == PreconditionerKind::jacobi || preconditioner_ == PreconditionerKind::block_jacobi)
+      diagonal_ = BlockJacobi<Scalar>(*pattern, preconditioner_ == PreconditionerKind::block_jacobi);
   }
 
-  /// Solves A x = b from x = 0, to `options().tolerance` in the residual: measured by the preconditioner (PCG), or
-  /// Euclidean (Cholesky, refined where one substitution is not enough).
+  /// Solves to `options().tolerance`: an error in the energy norm as Pcg knows it, or a Euclidean residual (Cholesky,
+  /// refined where one substitution is not enough).
   template <Executor E>
-  SolveReport solve(const BlockMatrix<Scalar>& matrix, const Field<Scalar>& b, Field<Scalar>& x, E& executor) {
-    if (method_ == SolverMethod::cholesky) {
-      if (!(options_.tolerance > 0 && options_.tolerance < 1)) return {SolveStatus::invalid_options, 0, 1.0};
-      if (!cholesky_.factorize(matrix)) return {SolveStatus::breakdown, 0, 1.0};
-      const auto factor = [this](const Field<Scalar>& r, Field<Scalar>& y) { cholesky_.solve(r, y); };
-      return refinement_.solve(matrix, factor, b, x, options_.tolerance, executor);
-    }
-    const PcgOptions options{options_.tolerance, options_.max_iterations};
-    if (preconditioner_ == PreconditionerKind::jacobi) {
-      jacobi_.update(matrix, executor);
-      return pcg_.solve(matrix, jacobi_, b, x, options, executor);
-    }
-    block_jacobi_.update(matrix, executor);
-    return pcg_.solve(matrix, block_jacobi_, b, x, options, executor);
+  SolveReport solve(const StepSystem<Scalar>& system, Field<Scalar>& x, E& executor) {
+    if (method_ == SolverMethod::cholesky) return solve_directly(system, x, executor);
+    if (preconditioner_ == PreconditionerKind::warped_cholesky) return solve_by(warped_, system, x, executor);
+    if (preconditioner_ == PreconditionerKind::rigid_aggregates) return solve_by(rigid_, system, x, executor);
+    return solve_by(diagonal_, system, x, executor);
   }
 
   /// What `analyze` chose.
@@ -81,22 +103,44 @@ class AutoSolver {
   [[nodiscard]] const Options& options() const { return options_; }
 
  private:
-  [[nodiscard]] SolverMethod cheaper_method(const BlockPattern& pattern) const {
-    const double product = 18.0 * pattern.blocks();
-    const double direct = cholesky_.factor_flops() + 4 * 18.0 * double(cholesky_.factor_blocks());
-    return direct < expected_iterations * product ? SolverMethod::cholesky : SolverMethod::pcg;
+  template <class P, Executor E>
+  SolveReport solve_by(P& preconditioner, const StepSystem<Scalar>& system, Field<Scalar>& x, E& executor) {
+    preconditioner.update(system, executor);
+    return pcg_.solve(system, preconditioner, x, {options_.tolerance, options_.max_iterations}, executor);
   }
 
-  // Iterations of block-Jacobi PCG to 1e-3 on bodies small enough for the question to arise (E = 5e5 Pa, h = 1/60 s).
-  static constexpr double expected_iterations = 70;
+  template <Executor E>
+  SolveReport solve_directly(const StepSystem<Scalar>& system, Field<Scalar>& x, E& executor) {
+    flat(x).setZero();
+    if (!(options_.tolerance > 0 && options_.tolerance < 1)) return {SolveStatus::invalid_options, 0, 1.0};
+    for (Index k = 0; k < system.matrix.pattern().blocks(); ++k)
+      in_double_.block(k) = system.matrix.block(k).template cast<double>();
+    if (!cholesky_.factorize(in_double_)) return {SolveStatus::breakdown, 0, 1.0};
+    factor_.assign(cholesky_.factor());
+    const auto factor = [this](const Field<Scalar>& r, Field<Scalar>& y) { factor_.solve(r, y); };
+    return refinement_.solve(system.matrix, factor, system.right_side, x, options_.tolerance, executor);
+  }
+
+  [[nodiscard]] PreconditionerKind cheaper_preconditioner(const BlockPattern& pattern) const {
+    return double(warped_.factor_blocks()) < 1.0 * pattern.blocks() ? PreconditionerKind::warped_cholesky
+                                                                    : PreconditionerKind::rigid_aggregates;
+  }
+
+  [[nodiscard]] static typename RigidAggregates<Scalar>::Sizes aggregate_sizes(Index vertices) {
+    const Index parts = vertices / 27;
+    return {parts, parts > 800 ? Index{544} : Index{0}};
+  }
 
   Options options_;
   SolverMethod method_ = SolverMethod::pcg;
   PreconditionerKind preconditioner_ = PreconditionerKind::block_jacobi;
   Pcg<Scalar> pcg_;
-  Jacobi<Scalar> jacobi_;
-  BlockJacobi<Scalar> block_jacobi_;
-  BlockCholesky<Scalar> cholesky_;
+  BlockJacobi<Scalar> diagonal_;
+  RigidAggregates<Scalar> rigid_;
+  WarpedCholesky<Scalar> warped_;
+  BlockCholesky<double> cholesky_;  // in double whatever Scalar is, as in WarpedCholesky: stiff bodies need it
+  BlockMatrix<double> in_double_;
+  BlockFactor<Scalar, 3> factor_;
   Refinement<Scalar> refinement_;
 };
 

@@ -31,7 +31,8 @@ class CholmodSolver {
   explicit CholmodSolver(const Options& options) : options_(options) {}
 
   /// Ordering and symbolic factorisation.
-  void analyze(const BlockPattern& pattern) {
+  void analyze(const std::shared_ptr<const BlockPattern>& shared_pattern, const Field<Scalar>& /*rest*/) {
+    const BlockPattern& pattern = *shared_pattern;
     COROTET_ASSERT(pattern.blocks() <= std::numeric_limits<Index>::max() / 9, "too large for 32-bit indices");
     refinement_ = Refinement<Scalar>(pattern.rows());
     const Index n = 3 * pattern.rows();
@@ -53,7 +54,8 @@ class CholmodSolver {
   }
 
   template <Executor E>
-  SolveReport solve(const BlockMatrix<Scalar>& matrix, const Field<Scalar>& b, Field<Scalar>& x, E& executor) {
+  SolveReport solve(const StepSystem<Scalar>& system, Field<Scalar>& x, E& executor) {
+    const BlockMatrix<Scalar>& matrix = system.matrix;
     double* value = matrix_.valuePtr();
     const BlockPattern& pattern = matrix.pattern();
     for (Index i = 0; i < pattern.rows(); ++i)
@@ -66,7 +68,7 @@ class CholmodSolver {
       right_side_ = flat(residual).template cast<double>();
       flat(y) = cholmod_->solve(right_side_).template cast<Scalar>();
     };
-    return refinement_.solve(matrix, factor, b, x, options_.tolerance, executor);
+    return refinement_.solve(matrix, factor, system.right_side, x, options_.tolerance, executor);
   }
 
  private:

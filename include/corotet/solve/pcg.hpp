@@ -1,109 +1,158 @@
 // Preconditioned conjugate gradients.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
-#include <corotet/solve/dot.hpp>
+#include <corotet/solve/first_guess.hpp>
+#include <corotet/solve/range_sum.hpp>
 #include <corotet/solve/solver.hpp>
+#include <cstddef>
+#include <limits>
 
 namespace corotet {
 
 struct PcgOptions {
-  /// Stop when |b - A x| <= tolerance * |b|, both in the norm sqrt(r . P r) of the preconditioner P, which measures
-  /// every vertex against its own stiffness. 0 < tolerance < 1. What float can reach depends on how stiff the body is
-  /// against its inertia; a tolerance beyond that ends as `stagnated`, with the residual that was reached.
+  /// Stop when the error of x is `tolerance` times x, both in the energy norm sqrt(x . A x), 0 < tolerance < 1: see
+  /// Pcg for how the error is known. What float can reach depends on how stiff the body is against its inertia; a
+  /// tolerance beyond that ends as `stagnated`, with the error that was reached.
   double tolerance = 1e-3;
   int max_iterations = 2000;  ///< >= 0; reaching it is reported, never silent
 };
 
-/// Hestenes & Stiefel 1952, with a preconditioner (Saad 2003, algorithm 9.1). Keeps its vectors between solves.
+namespace detail {
+
+/// Energy gained by the last `delay` iterations; infinite until there are as many.
+template <int delay>
+class RecentGains {
+ public:
+  void add(double gain) {
+    if constexpr (delay > 0) gain_[static_cast<std::size_t>(count_++ % delay)] = gain;
+  }
+  [[nodiscard]] double sum() const {
+    if (count_ < delay) return std::numeric_limits<double>::infinity();
+    double sum = 0;
+    for (const double gain : gain_) sum += gain;
+    return sum;
+  }
+
+ private:
+  std::array<double, std::size_t{delay}> gain_{};
+  int count_ = 0;
+};
+
+}  // namespace detail
+
+/// Hestenes & Stiefel 1952, with a preconditioner P (Saad 2003, algorithm 9.1). Keeps its vectors, and the last
+/// solutions as first guesses, between solves.
+///
+/// The error is estimated in two ways, of which the larger counts: as sqrt(r . P r), exact where P is the inverse of A;
+/// and by the energy that the last iterations have gained, which the error had when they began (Strakos & Tichy 2002,
+/// section 4). The second is what keeps a weak preconditioner honest: P::error_delay says how many iterations.
 template <std::floating_point Scalar>
 class Pcg {
  public:
   Pcg() = default;
-  explicit Pcg(Index vertices)
-      : r_(at(vertices)), z_(at(vertices)), p_(at(vertices)), q_(at(vertices)), dot_(vertices) {}
+  explicit Pcg(Index vertices) : x_(at(vertices)), r_(x_), z_(x_), p_(x_), q_(x_), guess_(vertices), sum_(vertices) {}
 
-  /// Solves A x = b from x = 0. The residual that is reported is that of the x returned, measured; where rounding has
-  /// made it larger than the iteration believed, the iteration starts again from x, as long as that helps.
-  template <LinearOperator<Scalar> A, Preconditioner<Scalar> P, Executor E>
-  SolveReport solve(const A& matrix, const P& preconditioner, const Field<Scalar>& b, Field<Scalar>& x,
-                    const PcgOptions& options, E& executor) {
-    flat(x).setZero();
+  /// Sets x to the solution. The residual that is reported is that of the x returned, measured; where rounding has made
+  /// it larger than the iteration believed, the iteration starts again from x, as long as that helps.
+  template <Preconditioner<Scalar> P, Executor E>
+  SolveReport solve(const StepSystem<Scalar>& system, P& preconditioner, Field<Scalar>& x, const PcgOptions& options,
+                    E& executor) {
     SolveReport report;
+    flat(x).setZero();
     if (!(options.tolerance > 0 && options.tolerance < 1) || options.max_iterations < 0)
       return {SolveStatus::invalid_options, 0, 1.0};
-    r_ = b;
-    preconditioner.apply(r_, z_, executor);
-    const double start = dot_(r_, z_, executor);
-    if (!std::isfinite(start) || start < 0) return {SolveStatus::breakdown, 0, 1.0};
-    if (start == 0) return report;
+    double energy = guess_.start(system, x_, r_, executor);
+    double error2 = preconditioner.apply(r_, z_, executor);
+    if (!std::isfinite(error2) || error2 < 0 || !std::isfinite(energy)) return {SolveStatus::breakdown, 0, 1.0};
 
-    const double target = options.tolerance * options.tolerance * start;
-    for (double before = start;;) {
-      iterate(matrix, preconditioner, x, before, target, options.max_iterations, report, executor);
-      matrix.apply(x, q_, executor);
-      update(executor, [&](auto s) { s(flat(r_)) = s(flat(b)) - s(flat(q_)); });
-      preconditioner.apply(r_, z_, executor);
-      const double measured = dot_(r_, z_, executor);
-      if (!std::isfinite(measured)) report.status = SolveStatus::breakdown;
-      report.residual = std::sqrt(measured / start);
-      if (measured <= target || report.status != SolveStatus::converged) return report;
-      if (measured > before / 4) {  // half the residual at least, or rounding has taken over
+    const double wanted = options.tolerance * options.tolerance;
+    while (error2 > wanted * energy) {
+      iterate(system.matrix, preconditioner, error2, wanted, options.max_iterations, energy, report, executor);
+      const double before = error2;
+      measure(system, executor);
+      error2 = preconditioner.apply(r_, z_, executor);
+      if (!std::isfinite(error2)) report.status = SolveStatus::breakdown;
+      if (report.status != SolveStatus::converged) break;
+      if (error2 > wanted * energy && error2 > before / 4) {  // half the error at least, or rounding has taken over
         report.status = SolveStatus::stagnated;
-        return report;
+        break;
       }
-      before = measured;
     }
+    report.residual = energy > 0 ? std::sqrt(error2 / energy) : 0;
+    if (report.status == SolveStatus::breakdown) return report;
+    guess_.remember(x_);
+    for (Index v = 0; v < size_of(x); ++v) x[at(v)] = x_[at(v)].vector();
+    return report;
   }
 
  private:
-  /// Conjugate gradients from x, whose residual is r_ with z_ = P r_ and r_ . z_ = rz, until the residual that the
-  /// recursion follows has reached the target.
-  template <class A, class P, Executor E>
-  void iterate(const A& matrix, const P& preconditioner, Field<Scalar>& x, double rz, double target, int max_iterations,
-               SolveReport& report, E& executor) {
+  /// Conjugate gradients from x_, whose residual is r_ with z_ = P r_ and r_ . z_ = rz, until the error that the
+  /// recursion follows is small enough. `energy` is that of x, and follows it.
+  template <class P, Executor E>
+  void iterate(const BlockMatrix<Scalar>& matrix, P& preconditioner, double rz, double wanted, int max_iterations,
+               double& energy, SolveReport& report, E& executor) {
+    detail::RecentGains<P::error_delay> gains;
     p_ = z_;
-    while (rz > target) {
+    while (std::max(rz, gains.sum()) > wanted * energy) {
       if (report.iterations == max_iterations) {
         report.status = SolveStatus::iteration_limit;
         return;
       }
-      matrix.apply(p_, q_, executor);
+      const double curvature = sum_(executor, [&](Index begin, Index end) {
+        for (Index i = begin; i < end; ++i) q_[at(i)].set(matrix.row_product(i, p_));
+        return range_dot(p_, q_, begin, end);
+      });
       ++report.iterations;
-      const double curvature = dot_(p_, q_, executor);
       if (!(curvature > 0) || !std::isfinite(curvature)) {
         report.status = SolveStatus::breakdown;
         return;
       }
       const auto alpha = static_cast<Scalar>(rz / curvature);
-      update(executor, [&](auto s) {
-        s(flat(x)) += alpha * s(flat(p_));
-        s(flat(r_)) -= alpha * s(flat(q_));
+      update(executor, [&](auto of) {
+        of(x_) += alpha * of(p_);
+        of(r_) -= alpha * of(q_);
       });
-      preconditioner.apply(r_, z_, executor);
-      const double rz_next = dot_(r_, z_, executor);
+      const double gain = rz * (rz / curvature);
+      energy += gain;
+      gains.add(gain);
+      const double rz_next = preconditioner.apply(r_, z_, executor);
       if (!std::isfinite(rz_next) || rz_next < 0) {
         report.status = SolveStatus::breakdown;
         return;
       }
       const auto beta = static_cast<Scalar>(rz_next / rz);
-      update(executor, [&](auto s) { s(flat(p_)) = s(flat(z_)) + beta * s(flat(p_)); });
+      update(executor, [&](auto of) { of(p_) = of(z_) + beta * of(p_); });
       rz = rz_next;
     }
   }
 
-  /// Calls `body(s)` for each range of vertices, where s(v) is that range of a flat vector.
-  template <Executor E, class Body>
-  void update(E& executor, Body&& body) {
-    for_ranges(executor, size_of(r_), DotProduct::grain, [&](Index begin, Index end) {
-      body([begin, end](auto&& v) { return v.segment(Eigen::Index{3} * begin, Eigen::Index{3} * (end - begin)); });
+  /// r_ = b - A x_.
+  template <Executor E>
+  void measure(const StepSystem<Scalar>& system, E& executor) {
+    for_ranges(executor, size_of(r_), RangeSum::grain, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i) {
+        r_[at(i)].set(system.right_side[at(i)]);
+        r_[at(i)].set(r_[at(i)].quad() - system.matrix.row_product(i, x_));
+      }
     });
   }
 
-  Field<Scalar> r_, z_, p_, q_;
-  DotProduct dot_;
+  /// Calls `body(of)` for each range of vertices, where of(field) is that range of a field.
+  template <Executor E, class Body>
+  void update(E& executor, Body&& body) {
+    for_ranges(executor, size_of(r_), RangeSum::grain, [&](Index begin, Index end) {
+      body([begin, end](auto& field) { return range_of(field, begin, end); });
+    });
+  }
+
+  PaddedField<Scalar> x_, r_, z_, p_, q_;
+  FirstGuess<Scalar> guess_;
+  RangeSum sum_;
 };
 
 }  // namespace corotet

@@ -5,7 +5,7 @@
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
-#include <corotet/solve/dot.hpp>
+#include <corotet/solve/range_sum.hpp>
 #include <corotet/solve/solver.hpp>
 
 namespace corotet {
@@ -17,7 +17,7 @@ class Refinement {
  public:
   Refinement() = default;
   explicit Refinement(Index vertices)
-      : residual_(at(vertices), Vec3<Scalar>::Zero()), correction_(residual_), dot_(vertices) {}
+      : residual_(at(vertices), Vec3<Scalar>::Zero()), correction_(residual_), sum_(vertices) {}
 
   /// Solves A x = b by `factor(r, y)`, which sets y to nearly A^-1 r, to a Euclidean residual of `tolerance` * |b|.
   /// Each correction counts as an iteration. Ends as breakdown if a residual is not finite.
@@ -25,7 +25,7 @@ class Refinement {
   SolveReport solve(const BlockMatrix<Scalar>& matrix, Factor&& factor, const Field<Scalar>& b, Field<Scalar>& x,
                     double tolerance, E& executor) {
     SolveReport report;
-    const double size = dot_(b, b, executor);
+    const double size = sum_(executor, [&](Index i, Index j) { return range_dot(b, b, i, j); });
     flat(x).setZero();
     if (size == 0) return report;
     residual_ = b;
@@ -34,7 +34,8 @@ class Refinement {
       flat(x) += flat(correction_);
       matrix.apply(x, residual_, executor);
       flat(residual_) = flat(b) - flat(residual_);
-      report.residual = std::sqrt(dot_(residual_, residual_, executor) / size);
+      report.residual =
+          std::sqrt(sum_(executor, [&](Index i, Index j) { return range_dot(residual_, residual_, i, j); }) / size);
       if (!std::isfinite(report.residual)) return {SolveStatus::breakdown, report.iterations, 1.0};
       if (report.residual <= tolerance) return report;
       if (report.iterations == most_corrections) {
@@ -49,7 +50,7 @@ class Refinement {
   static constexpr int most_corrections = 3;  // each gains the digits that the factor has: more would gain nothing
 
   Field<Scalar> residual_, correction_;
-  DotProduct dot_;
+  RangeSum sum_;
 };
 
 }  // namespace corotet

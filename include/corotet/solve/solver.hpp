@@ -2,27 +2,22 @@
 #pragma once
 
 #include <concepts>
-#include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
+#include <corotet/solve/step_system.hpp>
 
 namespace corotet {
 
-/// What iterative solvers multiply by. Law: linear, symmetric and positive definite; `apply(x, y, executor)` sets
-/// y = A x for fields of `rows()` entries and gives the same bits on any executor.
-template <class A, class Scalar>
-concept LinearOperator = requires(const A& a, const Field<Scalar>& x, Field<Scalar>& y, SerialExecutor& executor) {
-  { a.rows() } -> std::convertible_to<Index>;
-  a.apply(x, y, executor);
-};
-
-/// Approximates the inverse of a matrix. Law: `apply` is linear, symmetric and positive definite.
-/// `update(matrix, executor)` takes new values on the pattern that it was made for, without allocating.
+/// Approximates the inverse of a matrix. Law: `apply` is linear, symmetric and positive definite, and returns r . z.
+/// `error_delay`: see Pcg.
+/// `update(system, executor)` takes new values on the pattern that it was made for, without allocating.
 template <class P, class Scalar>
-concept Preconditioner = requires(const P& p, P& changing, const BlockMatrix<Scalar>& matrix, const Field<Scalar>& r,
-                                  Field<Scalar>& z, SerialExecutor& executor) {
-  changing.update(matrix, executor);
-  p.apply(r, z, executor);
+concept Preconditioner = requires(P& p, const StepSystem<Scalar>& system, const PaddedField<Scalar>& r,
+                                  PaddedField<Scalar>& z, SerialExecutor& executor) {
+  p.update(system, executor);
+  { p.apply(r, z, executor) } -> std::same_as<double>;
+  { P::error_delay } -> std::convertible_to<int>;
 };
 
 /// How a solve ended.
@@ -37,16 +32,17 @@ enum class SolveStatus {
 struct SolveReport {
   SolveStatus status = SolveStatus::converged;
   int iterations = 0;   ///< of conjugate gradients, or corrections of a direct solution
-  double residual = 0;  ///< |b - A x| / |b|, in the norm that the solver names
+  double residual = 0;  ///< of the solution returned, relative, in the norm that the solver names
 };
 
-/// Law: after `analyze(pattern)`, which may allocate, any number of `solve(matrix, b, x, executor)` with matrices on
-/// that pattern: x holds the solution to the solver's tolerance, or the report says why not; no allocation.
+/// Law: after `analyze(pattern, rest)`, which may allocate, any number of `solve(system, x, executor)` with matrices on
+/// that pattern: x holds the solution to the solver's tolerance, or the report says why not; no allocation. `rest`:
+/// rest positions, m, one a row of the pattern.
 template <class S, class Scalar>
-concept LinearSolver = requires(S& s, const BlockMatrix<Scalar>& matrix, const Field<Scalar>& b, Field<Scalar>& x,
+concept LinearSolver = requires(S& s, const StepSystem<Scalar>& system, const Field<Scalar>& rest, Field<Scalar>& x,
                                 SerialExecutor& executor) {
-  s.analyze(matrix.pattern());
-  { s.solve(matrix, b, x, executor) } -> std::same_as<SolveReport>;
+  s.analyze(system.matrix.shared_pattern(), rest);
+  { s.solve(system, x, executor) } -> std::same_as<SolveReport>;
 };
 
 }  // namespace corotet

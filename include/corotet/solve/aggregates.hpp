@@ -1,0 +1,62 @@
+// Boxes of neighbouring vertices, each of which may move as one.
+#pragma once
+
+#include <algorithm>
+#include <corotet/core/types.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+namespace corotet {
+
+/// A partition of things that lie somewhere into boxes, no two of which differ in size by more than a few.
+struct Aggregates {
+  std::vector<Index> start;   ///< count() + 1 entries
+  std::vector<Index> member;  ///< [start[a], start[a + 1]): the members of aggregate a, ascending
+  std::vector<Index> of;      ///< the aggregate of each
+
+  [[nodiscard]] Index count() const { return size_of(start) - 1; }
+
+  /// Halves the box across its longest side until there are `count` parts, 1 <= count <= position.size().
+  template <std::floating_point Scalar>
+  [[nodiscard]] static Aggregates of_positions(const Field<Scalar>& position, Index count) {
+    Aggregates parts;
+    parts.member.resize(position.size());
+    std::iota(parts.member.begin(), parts.member.end(), 0);
+    parts.of.resize(position.size());
+    parts.start.assign(1, 0);
+    parts.divide(position, 0, size_of(position), count);
+    return parts;
+  }
+
+ private:
+  template <std::floating_point Scalar>
+  void divide(const Field<Scalar>& position, Index begin, Index end, Index count) {
+    const auto first = member.begin() + begin, last = member.begin() + end;
+    if (count <= 1) {
+      std::sort(first, last);
+      for (auto m = first; m != last; ++m) of[at(*m)] = size_of(start) - 1;
+      start.push_back(end);
+      return;
+    }
+    Vec3<Scalar> low = position[at(*first)], high = low;
+    for (auto m = first; m != last; ++m) {
+      low = low.cwiseMin(position[at(*m)]);
+      high = high.cwiseMax(position[at(*m)]);
+    }
+    Eigen::Index axis = 0;
+    (high - low).maxCoeff(&axis);
+    const Index half = count / 2;
+    const auto middle = first + static_cast<std::ptrdiff_t>(std::int64_t{end - begin} * half / count);
+    std::nth_element(first, middle, last, [&](Index a, Index b) {
+      const Scalar xa = position[at(a)][axis], xb = position[at(b)][axis];
+      return xa != xb ? xa < xb : a < b;  // a strict order, the same everywhere
+    });
+    const auto split = static_cast<Index>(middle - member.begin());
+    divide(position, begin, split, half);
+    divide(position, split, end, count - half);
+  }
+};
+
+}  // namespace corotet

@@ -1,0 +1,36 @@
+// Cholesky factorisation of one small block.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <concepts>
+
+namespace corotet {
+
+/// Sets `inverse` to the inverse of L, a = L L^T, with zeros above its diagonal. False if `a` is not positive definite;
+/// reads its lower triangle only. (Plain loops: Eigen's factorisation of a 6x6 block, which is made for large ones,
+/// takes a second to compile.)
+template <std::floating_point Scalar, int B>
+[[nodiscard]] bool inverse_cholesky(Eigen::Matrix<Scalar, B, B> a, Eigen::Matrix<Scalar, B, B>& inverse) {
+  inverse.setZero();
+  for (int j = 0; j < B; ++j) {
+    Scalar pivot = a(j, j);
+    for (int k = 0; k < j; ++k) pivot -= a(j, k) * a(j, k);
+    if (!(pivot > 0) || !std::isfinite(pivot)) return false;
+    a(j, j) = std::sqrt(pivot);
+    for (int i = j + 1; i < B; ++i) {
+      for (int k = 0; k < j; ++k) a(i, j) -= a(i, k) * a(j, k);
+      a(i, j) /= a(j, j);
+    }
+    // Row j of the inverse needs the rows above it only.
+    inverse(j, j) = 1 / a(j, j);
+    for (int c = 0; c < j; ++c) {
+      Scalar sum = 0;
+      for (int k = c; k < j; ++k) sum += a(j, k) * inverse(k, c);
+      inverse(j, c) = -sum / a(j, j);
+    }
+  }
+  return true;
+}
+
+}  // namespace corotet

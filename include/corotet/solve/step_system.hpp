@@ -1,0 +1,27 @@
+// The linear system of a step, with what a solver may make use of besides its matrix.
+#pragma once
+
+#include <concepts>
+#include <corotet/assembly/block_matrix.hpp>
+#include <corotet/core/types.hpp>
+#include <cstdint>
+#include <span>
+
+namespace corotet {
+
+/// matrix * x = right_side.
+template <std::floating_point Scalar>
+struct StepSystem {
+  const BlockMatrix<Scalar>& matrix;
+  const Field<Scalar>& right_side;
+  /// Of the state in which the matrix was assembled, m: with the rest positions given to `analyze`, how far each part
+  /// of the body has turned.
+  const Field<Scalar>& displacement;
+  /// Vertices whose equations stand alone, with zero on the right side.
+  std::span<const Index> pinned;
+  /// Another number means that the matrix changed for other reasons than the displacement: another step, damping, other
+  /// materials, other pins.
+  std::uint64_t era = 0;
+};
+
+}  // namespace corotet

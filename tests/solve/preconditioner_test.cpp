@@ -1,0 +1,216 @@
+// Preconditioners: their law, what they are good for, and the cases in which parts of them degenerate.
+#include <corotet/solve/block_jacobi.hpp>
+#include <corotet/solve/pcg.hpp>
+#include <corotet/solve/rigid_aggregates.hpp>
+#include <corotet/solve/warped_cholesky.hpp>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <set>
+
+#include "solve/step_matrices.hpp"
+
+namespace corotet {
+namespace {
+
+using testing::BeamSystem;
+
+template <class Scalar>
+PaddedField<Scalar> padded(const Field<Scalar>& field) {
+  PaddedField<Scalar> out(field.size());
+  for (std::size_t v = 0; v < field.size(); ++v) out[v].set(field[v]);
+  return out;
+}
+
+template <class Scalar>
+double dot(const PaddedField<Scalar>& a, const PaddedField<Scalar>& b) {
+  double sum = 0;
+  for (std::size_t v = 0; v < a.size(); ++v)
+    for (std::size_t i = 0; i < 4; ++i) sum += double(a[v][i]) * double(b[v][i]);
+  return sum;
+}
+
+/// Linear, symmetric, positive definite; returns r . z; keeps the zeros behind the vectors.
+template <class Scalar, class P>
+void expect_lawful(const StepSystem<Scalar>& system, P& preconditioner) {
+  SerialExecutor serial;
+  preconditioner.update(system, serial);
+  const Index n = system.matrix.rows();
+  const double epsilon = std::numeric_limits<Scalar>::epsilon();
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    const auto a = padded(testing::random_field<Scalar>(n, 1, 2 * seed)),
+               b = padded(testing::random_field<Scalar>(n, 1, 2 * seed + 1));
+    PaddedField<Scalar> pa(a.size()), pb(a.size()), sum(a), p_sum(a.size());
+    for (std::size_t v = 0; v < a.size(); ++v) sum[v].set(a[v].quad() + b[v].quad());
+    const double a_pa = preconditioner.apply(a, pa, serial), b_pb = preconditioner.apply(b, pb, serial);
+    const double sum_p_sum = preconditioner.apply(sum, p_sum, serial);
+    EXPECT_GT(a_pa, 0);
+    EXPECT_NEAR(a_pa, dot(a, pa), 1e4 * epsilon * a_pa);
+    EXPECT_NEAR(dot(a, pb), dot(b, pa), 1e4 * epsilon * std::sqrt(a_pa * b_pb));
+    EXPECT_NEAR(sum_p_sum, a_pa + b_pb + dot(a, pb) + dot(b, pa), 1e4 * epsilon * (a_pa + b_pb));
+    for (const auto& z : pa) EXPECT_EQ(z[3], 0);
+  }
+}
+
+template <class Scalar, class P>
+int iterations(const StepSystem<Scalar>& system, P& preconditioner, double tolerance = 1e-3) {
+  Pcg<Scalar> pcg(system.matrix.rows());
+  Field<Scalar> x(at(system.matrix.rows()));
+  SerialExecutor serial;
+  preconditioner.update(system, serial);
+  const SolveReport report = pcg.solve(system, preconditioner, x, {.tolerance = tolerance}, serial);
+  EXPECT_EQ(report.status, SolveStatus::converged);
+  return report.iterations;
+}
+
+template <class Scalar, class Element>
+RigidAggregates<Scalar> rigid_for(const BeamSystem<Scalar, Element>& beam, Index parts, Index groups = 0) {
+  RigidAggregates<Scalar> rigid;
+  rigid.analyze(beam.matrix.pattern(), beam.rest(), {parts, groups});
+  return rigid;
+}
+
+template <class Scalar, class Element>
+WarpedCholesky<Scalar> warped_for(const BeamSystem<Scalar, Element>& beam) {
+  WarpedCholesky<Scalar> warped;
+  warped.analyze(beam.matrix.shared_pattern(), beam.rest());
+  warped.allocate();
+  return warped;
+}
+
+template <class T>
+class Preconditioners : public ::testing::Test {};
+TYPED_TEST_SUITE(Preconditioners, testing::AllCases);
+
+TYPED_TEST(Preconditioners, ObeyTheirLaw) {
+  const BeamSystem<typename TypeParam::Scalar, typename TypeParam::Element> beam({6, 2, 2});
+  BlockJacobi<typename TypeParam::Scalar> blocks(beam.matrix.pattern()), numbers(beam.matrix.pattern(), false);
+  auto two_levels = rigid_for(beam, 8), three_levels = rigid_for(beam, 12, 4);
+  auto warped = warped_for(beam);
+  expect_lawful(beam.system(), blocks);
+  expect_lawful(beam.system(), numbers);
+  expect_lawful(beam.system(), two_levels);
+  expect_lawful(beam.system(), three_levels);
+  expect_lawful(beam.system(), warped);
+}
+
+/// Parts of one vertex, of a few on a line, and parts whose vertices are all pinned have no rotation, or no motion at
+/// all: what is left must work as before.
+TYPED_TEST(Preconditioners, PartsThatCannotMoveOrTurnDoNoHarm) {
+  const BeamSystem<typename TypeParam::Scalar, typename TypeParam::Element> beam({5, 2, 2});
+  for (const Index parts : {1, 2, 30, 60, int(beam.rest().size())})
+    for (const Index groups : {0, 1, 7}) {
+      auto rigid = rigid_for(beam, parts, groups);
+      expect_lawful(beam.system(), rigid);
+    }
+  const BeamSystem<typename TypeParam::Scalar, typename TypeParam::Element> free({5, 2, 2}, 5e5,
+                                                                                 Mat3<double>::Identity(), false);
+  auto rigid = rigid_for(free, 9);
+  expect_lawful(free.system(), rigid);
+}
+
+/// A body that turns as a whole is the same to preconditioners that turn along: no new factor is needed.
+TYPED_TEST(Preconditioners, FollowRotations) {
+  using Scalar = typename TypeParam::Scalar;
+  using Beam = BeamSystem<Scalar, typename TypeParam::Element>;
+  const Mat3<double> turn = Eigen::AngleAxisd(2.5, Vec3<double>(1, -2, 0.5).normalized()).toRotationMatrix();
+  const Beam still({8, 2, 2});
+  Beam turned({8, 2, 2}, 5e5, turn);
+  for (std::size_t v = 0; v < turned.right_side.size(); ++v)
+    turned.right_side[v] = turn.cast<Scalar>() * still.right_side[v];
+  auto rigid = rigid_for(still, 10), three_levels = rigid_for(still, 20, 5);
+  auto warped = warped_for(still);
+  const auto expect_same = [&](auto& preconditioner) {
+    const int before = iterations(still.system(), preconditioner);
+    EXPECT_NEAR(iterations(turned.system(), preconditioner), before, 1);
+  };
+  expect_same(rigid);
+  expect_same(three_levels);
+  expect_same(warped);
+}
+
+/// On a long beam: what block-Jacobi takes many iterations for, rigid parts need a fraction of; and a factor of nearly
+/// the same matrix a few.
+TYPED_TEST(Preconditioners, CoarseLevelsSaveIterations) {
+  const BeamSystem<typename TypeParam::Scalar, typename TypeParam::Element> beam({20, 2, 2}, 5e6);
+  BlockJacobi<typename TypeParam::Scalar> blocks(beam.matrix.pattern());
+  auto rigid = rigid_for(beam, size_of(beam.rest()) / 15), three_levels = rigid_for(beam, size_of(beam.rest()) / 8, 10);
+  auto warped = warped_for(beam);
+  const int plain = iterations(beam.system(), blocks);
+  EXPECT_LT(iterations(beam.system(), rigid), plain / 3);
+  EXPECT_LT(iterations(beam.system(), three_levels), plain / 2);
+  EXPECT_LE(iterations(beam.system(), warped), 3);
+}
+
+/// Other pins, materials or steps are a new era: the factors follow.
+TYPED_TEST(Preconditioners, ANewEraIsNoticed) {
+  using Scalar = typename TypeParam::Scalar;
+  const BeamSystem<Scalar, typename TypeParam::Element> soft({8, 2, 2}, 5e4), stiff({8, 2, 2}, 5e7);
+  auto rigid = rigid_for(soft, 10);
+  auto warped = warped_for(soft);
+  iterations(soft.system(), rigid);
+  iterations(soft.system(), warped);
+  StepSystem<Scalar> later = stiff.system();
+  later.era = 2;
+  auto fresh_rigid = rigid_for(stiff, 10);
+  auto fresh_warped = warped_for(stiff);
+  EXPECT_EQ(iterations(later, rigid), iterations(later, fresh_rigid));
+  EXPECT_EQ(iterations(later, warped), iterations(later, fresh_warped));
+}
+
+/// Blocks whose determinant leaves the range of float are still inverted.
+TEST(BlockJacobi, InvertsBlocksOfAnyMagnitude) {
+  const auto mesh = testing::block<float, Tet4>({});
+  BlockMatrix<float> a(std::make_shared<const BlockPattern>(BlockPattern::of(mesh.elements(), mesh.vertex_count())));
+  Mat3<float> block;
+  block << 4, 1, 0, 1, 3, 1, 0, 1, 2;
+  SerialExecutor serial;
+  const Field<float> any(at(a.rows()), Vec3<float>(1, 2, 3));
+  for (const float magnitude : {1e-30f, 1e-15f, 1.0f, 1e15f, 1e30f}) {
+    for (Index i = 0; i < a.rows(); ++i) a.block(a.pattern().diagonal[at(i)]) = magnitude * block;
+    BlockJacobi<float> preconditioner(a.pattern());
+    preconditioner.update({a, any, any, {}, 1}, serial);
+    PaddedField<float> z(any.size());
+    preconditioner.apply(padded(any), z, serial);
+    EXPECT_LT((magnitude * (block * z[0].vector()) - any[0]).norm(), 1e-5f) << magnitude;
+  }
+}
+
+TEST(Aggregates, ArePartitionsOfNearlyEqualSize) {
+  const Field<double> points = testing::random_field<double>(1000, 1, 9);
+  for (const Index count : {1, 2, 7, 64, 999, 1000}) {
+    const Aggregates parts = Aggregates::of_positions(points, count);
+    ASSERT_EQ(parts.count(), count);
+    std::set<Index> seen;
+    for (Index a = 0; a < count; ++a) {
+      const Index size = parts.start[at(a + 1)] - parts.start[at(a)];
+      EXPECT_GE(size, 1000 / count / 2);
+      EXPECT_LE(size, 2 * (1000 / count) + 1);
+      for (Index k = parts.start[at(a)]; k < parts.start[at(a + 1)]; ++k) {
+        EXPECT_EQ(parts.of[at(parts.member[at(k)])], a);
+        seen.insert(parts.member[at(k)]);
+      }
+    }
+    EXPECT_EQ(seen.size(), points.size());
+  }
+}
+
+/// Once an era; and again, but not soon, when solves take far longer than they did.
+TEST(Renewal, FollowsErasAndWear) {
+  Renewal renewal;
+  const auto solve = [&](std::uint64_t era, int applications) {
+    const bool due = renewal.due(era);
+    for (int i = 0; i < applications; ++i) renewal.count();
+    return due;
+  };
+  EXPECT_TRUE(solve(1, 10));
+  for (int i = 0; i < 100; ++i) EXPECT_FALSE(solve(1, 12)) << i;
+  EXPECT_TRUE(solve(2, 10));
+  for (int i = 0; i < 30; ++i) EXPECT_FALSE(solve(2, 10));
+  int renewals = 0;
+  for (int i = 0; i < 100; ++i) renewals += solve(2, 30) ? 1 : 0;
+  EXPECT_EQ(renewals, 1);  // 30 is then what it takes
+}
+
+}  // namespace
+}  // namespace corotet
