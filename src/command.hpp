@@ -14,5 +14,6 @@ struct Command {
 [[nodiscard]] Command add_mesh_command(CLI::App& app);
 [[nodiscard]] Command add_check_command(CLI::App& app);
 [[nodiscard]] Command add_run_command(CLI::App& app);
+[[nodiscard]] Command add_bench_command(CLI::App& app);
 
 }  // namespace corotet::program

@@ -33,7 +33,7 @@ int run(int argc, char** argv) {
       "line\n"
       "that was not understood.");
   const Command commands[] = {corotet::program::add_mesh_command(app), corotet::program::add_check_command(app),
-                              corotet::program::add_run_command(app)};
+                              corotet::program::add_run_command(app), corotet::program::add_bench_command(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -27,6 +27,13 @@ struct SimulationFacts {
   std::string preconditioner;  ///< the same; empty for cholesky
 };
 
+/// Median times of what a step is made of, us.
+struct KernelTimes {
+  double evaluate_us = 0;  ///< rotations, forces and gradients of all elements
+  double assemble_us = 0;  ///< the matrix from them
+  double product_us = 0;   ///< matrix times vector, as the solver does it
+};
+
 /// How an embedded surface lies in the mesh.
 struct BindingFacts {
   Index outside = 0;            ///< vertices outside the mesh
@@ -69,9 +76,15 @@ class Simulation {
   virtual Result<BindingFacts> bind(const SurfaceMesh& surface, ThreadPool& pool) = 0;
   [[nodiscard]] virtual SurfaceState surface() = 0;
 
-  /// Median time of one product of the step's matrix, in float, with a vector, on one thread: the yardstick for a step
-  /// on this mesh and machine, us.
+  /// Lumped mass, or row sum of the consistent one, kg.
+  [[nodiscard]] virtual double vertex_mass(Index vertex) const = 0;
+
+  /// Median time of one product of the step's matrix with a vector, in float, by plain_product: the yardstick for a
+  /// step on this mesh and machine, us.
   [[nodiscard]] virtual double measure_spmv_us() const = 0;
+
+  /// Of the present state.
+  [[nodiscard]] virtual KernelTimes measure_kernels(ThreadPool& pool) const = 0;
 };
 
 /// The body of the scene at rest in the rest shape of `mesh`, which has the order it shall run with; gravity and

@@ -1,12 +1,12 @@
 // A few threads that share numbered tasks: the program's Executor (corotet/core/executor.hpp).
 #pragma once
 
+#include <atomic>
 #include <concepts>
-#include <condition_variable>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
+#include <cstdint>
 #include <memory>
-#include <mutex>
 #include <thread>
 #include <type_traits>
 #include <vector>
@@ -15,6 +15,9 @@ namespace corotet::program {
 
 /// `pool(count, task)` calls task(0) ... task(count - 1), each once, on the pool's threads and the calling one.
 /// Tasks must not throw and must not call the pool; only one thread at a time may call it. A call allocates nothing.
+///
+/// A step has hundreds of parallel loops of some tens of microseconds: less than it takes to wake a thread. So threads
+/// that run out of work look for more for a while before they sleep, and tasks are taken without a lock.
 class ThreadPool {
  public:
   /// `threads` >= 1, the calling thread included: 1 makes no threads and runs tasks in order. Throws std::system_error
@@ -28,7 +31,12 @@ class ThreadPool {
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
-  ~ThreadPool() { stop(); }
+  ~ThreadPool() {
+    stopping_ = true;
+    ++phase_;
+    phase_.notify_all();
+    for (std::thread& worker : workers_) worker.join();
+  }
 
   template <std::invocable<Index> Task>
   void operator()(Index count, Task&& task) {
@@ -37,13 +45,15 @@ class ThreadPool {
       return;
     }
     using Callable = std::remove_reference_t<Task>;
-    std::unique_lock lock(mutex_);
     // A task that is const is called as const again: the cast only carries it through the untyped pointer.
     job_ = {const_cast<void*>(static_cast<const void*>(std::addressof(task))),
-            [](void* context, Index i) { (*static_cast<Callable*>(context))(i); }, count, 0, count};
-    wake_.notify_all();
-    while (job_.next < job_.count) run_one(lock);
-    done_.wait(lock, [this] { return job_.unfinished == 0; });
+            [](void* context, Index i) { (*static_cast<Callable*>(context))(i); }, count};
+    next_ = 0;
+    ++phase_;  // odd: open
+    phase_.notify_all();
+    run_tasks();
+    ++phase_;  // even: closed; who is inside still runs a task, or is about to see that none is left
+    while (inside_ != 0) std::this_thread::yield();
   }
 
  private:
@@ -53,43 +63,40 @@ class ThreadPool {
     void* context = nullptr;
     void (*call)(void*, Index) = nullptr;
     Index count = 0;
-    Index next = 0;        // the first task that nobody has taken
-    Index unfinished = 0;  // tasks not taken, or still running
   };
 
-  /// Ends the threads that there are.
-  void stop() {
-    {
-      const std::lock_guard lock(mutex_);
-      stopping_ = true;
-    }
-    wake_.notify_all();
-    for (std::thread& worker : workers_) worker.join();
-  }
-
-  /// Takes the next task and runs it without the lock.
-  void run_one(std::unique_lock<std::mutex>& lock) {
-    const Job job = job_;
-    ++job_.next;
-    lock.unlock();
-    job.call(job.context, job.next);
-    lock.lock();
-    if (--job_.unfinished == 0) done_.notify_one();
+  void run_tasks() {
+    for (Index i = next_++; i < job_.count; i = next_++) job_.call(job_.context, i);
   }
 
   void work() {
-    std::unique_lock lock(mutex_);
+    std::uint32_t seen = 0;
     for (;;) {
-      wake_.wait(lock, [this] { return stopping_ || job_.next < job_.count; });
+      wait_for_change(seen);
       if (stopping_) return;
-      run_one(lock);
+      // Inside first, then the question whether there is a job: it is not replaced while anybody is inside.
+      ++inside_;
+      seen = phase_;
+      if (seen % 2 == 1) run_tasks();
+      --inside_;
     }
   }
 
-  std::mutex mutex_;
-  std::condition_variable wake_, done_;
+  void wait_for_change(std::uint32_t seen) {
+    constexpr int patience = 2000;  // looks, some tens of microseconds
+    for (int look = 0; look < patience; ++look) {
+      if (phase_ != seen) return;
+      if (look % 16 == 15) std::this_thread::yield();
+    }
+    phase_.wait(seen);
+  }
+
+  // All accesses are sequentially consistent: the order "inside, then phase" against "phase, then inside" needs that.
+  std::atomic<std::uint32_t> phase_{0};
+  std::atomic<Index> next_{0};
+  std::atomic<int> inside_{0};
+  std::atomic<bool> stopping_{false};
   Job job_;
-  bool stopping_ = false;
   std::vector<std::thread> workers_;
 };
 

@@ -1,8 +1,6 @@
 // The simulation of one scalar, element and rotation. Included by the four files that instantiate it.
 #pragma once
 
-#include <algorithm>
-#include <chrono>
 #include <corotet/assembly/assemble.hpp>
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/executor.hpp>
@@ -22,8 +20,11 @@
 
 #include "failure.hpp"
 #include "local_origin.hpp"
+#include "plain_product.hpp"
 #include "problems.hpp"
 #include "simulation.hpp"
+#include "solver_instances.hpp"
+#include "timing.hpp"
 
 namespace corotet::program {
 
@@ -108,22 +109,29 @@ class TypedSimulation final : public Simulation {
     return state;
   }
 
+  [[nodiscard]] double vertex_mass(Index vertex) const override {
+    return static_cast<double>(body_.mass().row_sum(vertex));
+  }
+
   [[nodiscard]] double measure_spmv_us() const override {
-    using Clock = std::chrono::steady_clock;
     const BlockMatrix<float> matrix = step_matrix();
-    SerialExecutor serial;
     Field<float> x(at(matrix.rows()), Vec3<float>::Ones()), y(x);
-    std::vector<double> samples;
-    const Clock::time_point start = Clock::now();
-    while (samples.size() < 11 || (samples.size() < 1001 && Clock::now() - start < std::chrono::milliseconds(50))) {
-      const Clock::time_point begin = Clock::now();
-      matrix.apply(x, y, serial);
-      samples.push_back(std::chrono::duration<double, std::micro>(Clock::now() - begin).count());
+    return median_us([&] {
+      plain_product(matrix, x, y);
       x.front()[0] = y.front()[0] > 0 ? 1.0F : 0.5F;  // each product needs the one before it: none can be left out
-    }
-    const auto median = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
-    std::nth_element(samples.begin(), median, samples.end());
-    return *median;
+    });
+  }
+
+  [[nodiscard]] KernelTimes measure_kernels(ThreadPool& pool) const override {
+    typename Body::Law::Evaluation state(body_.law());
+    BlockMatrix<Scalar> matrix(body_.pattern());
+    Field<Scalar> x(at(matrix.rows()), Vec3<Scalar>::Ones()), y(x);
+    KernelTimes times;
+    times.evaluate_us = median_us([&] { body_.law().evaluate(body_.displacements(), state, pool); });
+    times.assemble_us =
+        median_us([&] { assemble(body_.law(), state, body_.mass(), Scalar(1), dt_ * dt_, matrix, pool); });
+    times.product_us = median_us([&] { matrix.apply(x, y, pool); });
+    return times;
   }
 
  private:

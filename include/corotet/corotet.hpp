@@ -20,6 +20,7 @@
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <corotet/dynamics/pins.hpp>
 #include <corotet/dynamics/soft_body.hpp>
+#include <corotet/dynamics/step_bodies.hpp>
 #include <corotet/dynamics/step_phase.hpp>
 #include <corotet/dynamics/step_report.hpp>
 #include <corotet/element/element_batch.hpp>

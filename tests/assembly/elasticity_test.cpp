@@ -282,5 +282,28 @@ TYPED_TEST(ElasticLaw, EnergyIsTheSumOverElementsOfTheirOwnMaterial) {
   EXPECT_NEAR(ten.law.energy(stretch), density * (odd + 10 * even), 1e-4 * density * 10);
 }
 
+/// The assembled matrix is the sum of the elements' own blocks, with one Lamé ratio in the body and with several.
+TYPED_TEST(ElasticLaw, TheMatrixIsTheSumOverElements) {
+  using Scalar = typename TypeParam::Scalar;
+  const auto mesh = distorted_block<Scalar, typename TypeParam::Element>(small_box, 0.2, 4);
+  std::vector<Material> materials(at(mesh.element_count()), rubber);
+  for (std::size_t e = 0; e < materials.size(); ++e) materials[e].poisson = 0.01 * double(e % 40);
+  for (const bool several : {false, true}) {
+    Rig<Scalar, typename TypeParam::Element> rig(mesh, several ? Materials(materials) : Materials(rubber));
+    EXPECT_EQ(rig.law.common_lame_ratio().has_value(), !several);
+    const auto u = testing::random_field<Scalar>(mesh.vertex_count(), 0.05, 8);
+    BlockMatrix<Scalar> k = rig.stiffness(u);
+    double largest = 0;
+    for (Index s = 0; s < rig.pattern->blocks(); ++s) largest = std::max(largest, double(k.block(s).norm()));
+    for (Index e = 0; e < mesh.element_count(); ++e)
+      for (int a = 0; a < rig.law.nodes; ++a)
+        for (int b = 0; b < rig.law.nodes; ++b)
+          k.block(rig.pattern->slot(mesh.element(e)[at(a)], mesh.element(e)[at(b)])) -=
+              rig.law.stiffness_block(rig.state, e, a, b);
+    for (Index s = 0; s < rig.pattern->blocks(); ++s)
+      EXPECT_LT(double(k.block(s).norm()), (sizeof(Scalar) == 4 ? 1e-5 : 1e-13) * largest);
+  }
+}
+
 }  // namespace
 }  // namespace corotet

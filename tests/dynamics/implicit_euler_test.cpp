@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "support/bodies.hpp"
+#include "support/solver_instances.hpp"
 
 namespace corotet {
 namespace {

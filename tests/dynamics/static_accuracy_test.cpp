@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "support/bodies.hpp"
+#include "support/solver_instances.hpp"
 
 namespace corotet {
 namespace {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/bodies.hpp"
+#include "support/solver_instances.hpp"
 
 namespace corotet {
 namespace {

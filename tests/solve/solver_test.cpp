@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "solve/step_matrices.hpp"
+#include "support/solver_instances.hpp"
 
 namespace corotet {
 namespace {

@@ -28,31 +28,42 @@ void add_mass(const BlockPattern& pattern, const Mass<Scalar>& mass, Scalar mass
     for (std::size_t i = 0; i < 9; i += 4) k_t[i] = k[i];
 }
 
-}  // namespace detail
-
-/// matrix = mass_factor * M + stiffness_factor * K', with the warped stiffness K' of the evaluated state. Both
-/// triangles are bitwise mirror images. `mass_factor` has no unit, `stiffness_factor` is in s^2 if the result is to be
-/// in kg.
-template <std::floating_point Scalar, class Law, Executor E>
-void assemble(const Law& /*law*/, const typename Law::Evaluation& state, const Mass<Scalar>& mass, Scalar mass_factor,
-              Scalar stiffness_factor, BlockMatrix<Scalar>& matrix, E& executor) {
+/// As `assemble`, for elements of one Lamé ratio or of several.
+template <bool same_ratio, std::floating_point Scalar, class Law, Executor E>
+void assemble_blocks(const Law& law, const typename Law::Evaluation& state, const Mass<Scalar>& mass,
+                     Scalar mass_factor, Scalar stiffness_factor, BlockMatrix<Scalar>& matrix, E& executor) {
   constexpr std::size_t n = Law::nodes;
   constexpr Index grain = 8 * BlockMatrix<Scalar>::row_grain;
   const BlockPattern& p = matrix.pattern();
   const bool consistent = mass.model() == MassModel::consistent;
   for_ranges(executor, size_of(p.upper), grain, [&](Index begin, Index end) {
     for (Index u = begin; u < end; ++u) {
-      StiffnessSum<Scalar> sum;
+      StiffnessSum<Scalar, same_ratio> sum;
       for (Index c = p.contribution_start[at(u)]; c < p.contribution_start[at(u) + 1]; ++c) {
         const std::size_t code = at(p.contribution[at(c)]), row = code / n;
         sum.add(state, row, row / n * n + code % n);
       }
+      if constexpr (same_ratio) sum.set_ratio(*law.common_lame_ratio());
       const auto [slot, mirror] = p.upper[at(u)];
       sum.write(stiffness_factor, matrix.values(slot), matrix.values(mirror));
       const Index row = p.column[at(mirror)];
-      if (slot == mirror || consistent) detail::add_mass(p, mass, mass_factor, row, slot, mirror, matrix);
+      if (slot == mirror || consistent) add_mass(p, mass, mass_factor, row, slot, mirror, matrix);
     }
   });
+}
+
+}  // namespace detail
+
+/// matrix = mass_factor * M + stiffness_factor * K', with the warped stiffness K' of the evaluated state. Both
+/// triangles are bitwise mirror images. `mass_factor` has no unit, `stiffness_factor` is in s^2 if the result is to be
+/// in kg.
+template <std::floating_point Scalar, class Law, Executor E>
+void assemble(const Law& law, const typename Law::Evaluation& state, const Mass<Scalar>& mass, Scalar mass_factor,
+              Scalar stiffness_factor, BlockMatrix<Scalar>& matrix, E& executor) {
+  if (law.common_lame_ratio())
+    detail::assemble_blocks<true>(law, state, mass, mass_factor, stiffness_factor, matrix, executor);
+  else
+    detail::assemble_blocks<false>(law, state, mass, mass_factor, stiffness_factor, matrix, executor);
 }
 
 }  // namespace corotet

@@ -89,8 +89,9 @@ class ElasticEvaluation {
   std::size_t elements_ = 0;
 };
 
-/// The sum of element contributions to one 3x3 block of the warped stiffness.
-template <std::floating_point Scalar>
+/// The sum of element contributions to one 3x3 block of the warped stiffness. With `same_ratio`, lambda / mu is that of
+/// the first element in all of them, which halves the work.
+template <std::floating_point Scalar, bool same_ratio = false>
 class StiffnessSum {
  public:
   /// Adds block (a, b) of an element. With g = R grad N it is
@@ -101,12 +102,19 @@ class StiffnessSum {
     for (std::size_t q = 0; q < Evaluation::points; ++q) {
       const Scalar* gb = state.gradient(q, column);
       const Q ga = Q::load(state.gradient(q, row));
-      const Q lambda_ga = ga * Q(gb[3]);
-      for (std::size_t c = 0; c < 3; ++c) {
-        mu_[c] += ga * Q(gb[c]);
-        lambda_[c] += lambda_ga * Q(gb[c]);
+      for (std::size_t c = 0; c < 3; ++c) mu_[c] += ga * Q(gb[c]);
+      if constexpr (!same_ratio) {
+        const Q lambda_ga = ga * Q(gb[3]);
+        for (std::size_t c = 0; c < 3; ++c) lambda_[c] += lambda_ga * Q(gb[c]);
       }
     }
+  }
+
+  /// Where the ratio is the same everywhere: called once, after the last `add`.
+  COROTET_ALWAYS_INLINE void set_ratio(Scalar lame_ratio)
+    requires same_ratio
+  {
+    for (std::size_t c = 0; c < 3; ++c) lambda_[c] = Q(lame_ratio) * mu_[c];
   }
 
   /// Writes the sum times `factor` (whose units are those of the result per N/m) to the nine numbers at `block`, and

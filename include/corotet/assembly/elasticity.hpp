@@ -15,6 +15,7 @@
 #include <corotet/mesh/tet_mesh.hpp>
 #include <corotet/rotation/polar.hpp>
 #include <corotet/rotation/rotation_extractor.hpp>
+#include <optional>
 #include <vector>
 
 namespace corotet {
@@ -47,21 +48,27 @@ class Elasticity {
       const auto [lambda, mu] = lame(materials.of_element(at(e)));
       Batch& batch = batches_[at(e / lane_count<Scalar>)];
       const int l = e % lane_count<Scalar>;
-      batch.lambda.set(l, static_cast<Scalar>(lambda));
-      batch.mu.set(l, static_cast<Scalar>(mu));
+      const auto ratio = static_cast<Scalar>(lambda / mu);
+      if (e == 0) common_lame_ratio_ = ratio;
+      if (common_lame_ratio_ != ratio) common_lame_ratio_.reset();
+      batch.lame_ratio.set(l, ratio);
+      for (auto& point : batch.point)
+        point.root_stiffness.set(l, static_cast<Scalar>(std::sqrt(mu * static_cast<double>(point.volume[l]))));
     }
   }
 
   [[nodiscard]] Index element_count() const { return elements_; }
+  /// lambda / mu, if it is the same in all elements.
+  [[nodiscard]] std::optional<Scalar> common_lame_ratio() const { return common_lame_ratio_; }
   [[nodiscard]] const std::vector<Batch>& batches() const { return batches_; }
 
   /// Rotations, nodal forces and rotated gradients of every element at `displacement` (m, one a vertex).
   template <Executor E>
   void evaluate(const Field<Scalar>& displacement, Evaluation& out, E& executor) const {
     for_ranges(executor, size_of(batches_), batch_grain, [&](Index begin, Index end) {
-      DeformationExtremes extremes;
+      Extremes extremes;
       for (Index b = begin; b < end; ++b) evaluate_batch(displacement, b, out, extremes);
-      out.extremes[at(begin / batch_grain)] = extremes;
+      out.extremes[at(begin / batch_grain)] = extremes.of_all_lanes();
     });
   }
 
@@ -74,9 +81,9 @@ class Elasticity {
       for (std::size_t q = 0; q < points; ++q) {
         const Strain e = strain(f[q], r[q]);
         const Lanes<Scalar> trace = e[0] + e[1] + e[2];
-        const Lanes<Scalar> density =
-            batch.mu * e.squared_norm() + Lanes<Scalar>(Scalar(0.5)) * batch.lambda * trace * trace;
-        const Lanes<Scalar> energy = batch.point[q].volume * density;
+        const Lanes<Scalar> stiffness = batch.point[q].root_stiffness * batch.point[q].root_stiffness;
+        const Lanes<Scalar> energy =
+            stiffness * (e.squared_norm() + Lanes<Scalar>(Scalar(0.5)) * batch.lame_ratio * trace * trace);
         for (int l = 0; l < lane_count<Scalar>; ++l) sum += static_cast<double>(energy[l]);
       }
     }
@@ -112,8 +119,7 @@ class Elasticity {
     Batch& batch = batches_[at(e / lane_count<Scalar>)];
     const int l = e % lane_count<Scalar>;
     const bool exists = e < elements_;
-    batch.lambda.set(l, 0);
-    batch.mu.set(l, 0);
+    batch.lame_ratio.set(l, 0);
     for (std::size_t a = 0; a < nodes; ++a) batch.vertex[a][at(l)] = exists ? mesh.element(e)[a] : 0;
     for (std::size_t q = 0; q < points; ++q) {
       Mat3<double> to_space = Mat3<double>::Identity();
@@ -124,6 +130,7 @@ class Elasticity {
       }
       batch.point[q].inverse_jacobian.set_lane(l, to_space.inverse().template cast<Scalar>());
       batch.point[q].volume.set(l, static_cast<Scalar>(weight * to_space.determinant()));
+      batch.point[q].root_stiffness.set(l, 0);
     }
   }
 
@@ -170,8 +177,19 @@ class Elasticity {
     return e;
   }
 
-  void evaluate_batch(const Field<Scalar>& displacement, Index b, Evaluation& out,
-                      DeformationExtremes& extremes) const {
+  /// Of the elements that each lane has held. Lanes beyond the last element are at rest.
+  struct Extremes {
+    Lanes<Scalar> inverted = 0, largest_strain2 = 0, least_trace = 3;
+
+    [[nodiscard]] DeformationExtremes of_all_lanes() const {
+      DeformationExtremes all;
+      for (int l = 0; l < lane_count<Scalar>; ++l)
+        all.merge({static_cast<Index>(inverted[l]), double(largest_strain2[l]), double(least_trace[l])});
+      return all;
+    }
+  };
+
+  void evaluate_batch(const Field<Scalar>& displacement, Index b, Evaluation& out, Extremes& extremes) const {
     using L = Lanes<Scalar>;
     const Batch& batch = batches_[at(b)];
     std::array<Mat3Lanes<Scalar>, points> f, r;
@@ -180,16 +198,15 @@ class Elasticity {
     std::array<Vec3Lanes<Scalar>, nodes> force;
     for (Vec3Lanes<Scalar>& node : force)
       for (L& component : node) component = 0;
-    L largest_strain2 = 0, least_trace = 3, least_determinant = 1;
+    L least_determinant = 1;
     const Index first = b * lane_count<Scalar>;
     const int used = static_cast<int>(std::min<Index>(lane_count<Scalar>, elements_ - first));
 
-    const L ratio = batch.lambda / select(batch.mu > 0, batch.mu, L(1));  // lanes beyond the last element have no mu
     for (std::size_t q = 0; q < points; ++q) {
       const Mat3Lanes<Scalar>&fq = f[q], &rq = r[q];
       const Strain e = strain(fq, rq);
-      largest_strain2 = max(largest_strain2, e.squared_norm());
-      least_trace = min(least_trace, rq(0, 0) + rq(1, 1) + rq(2, 2));
+      extremes.largest_strain2 = max(extremes.largest_strain2, e.squared_norm());
+      extremes.least_trace = min(extremes.least_trace, rq(0, 0) + rq(1, 1) + rq(2, 2));
       least_determinant = min(least_determinant, determinant(fq));
 
       const Mat3Lanes<Scalar>& inverse = batch.point[q].inverse_jacobian;
@@ -200,30 +217,20 @@ class Elasticity {
       product_with_transpose(rq, inverse, rotated);
       product(rq, stress, rotated_stress);
       product_with_transpose(rotated_stress, inverse, natural_stress);
-      const L root = sqrt(batch.mu * batch.point[q].volume);
       for (auto& row : rotated.entry)
-        for (L& entry : row) entry = entry * root;
+        for (L& entry : row) entry = entry * batch.point[q].root_stiffness;
 
       for (std::size_t a = 0; a < nodes; ++a) {
-        Vec3Lanes<Scalar> gradient;
-        for (std::size_t i = 0; i < 3; ++i) {
-          gradient[i] = 0;
-          for (std::size_t c = 0; c < 3; ++c) {
-            Batch::add_gradient(q, a, c, rotated.entry[i][c], gradient[i]);
-            Batch::add_gradient(q, a, c, natural_stress.entry[i][c], force[a][i]);
-          }
-        }
-        store_side_by_side(gradient[0], gradient[1], gradient[2], ratio, out.gradient(q, at(first * nodes) + a),
-                           Evaluation::stride, used);
+        const Vec3Lanes<Scalar> gradient = Batch::times_gradient(rotated, q, a);
+        store_side_by_side(gradient[0], gradient[1], gradient[2], batch.lame_ratio,
+                           out.gradient(q, at(first * nodes) + a), Evaluation::stride, used);
+        const Vec3Lanes<Scalar> part = Batch::times_gradient(natural_stress, q, a);
+        for (std::size_t i = 0; i < 3; ++i) force[a][i] += part[i];
       }
     }
     for (std::size_t a = 0; a < nodes; ++a)
       store_side_by_side(force[a][0], force[a][1], force[a][2], L(0), out.force(first, a), Evaluation::stride, used);
-    for (int l = 0; l < used; ++l) {
-      extremes.inverted_elements += least_determinant[l] > 0 ? 0 : 1;
-      extremes.largest_strain2 = std::max<double>(extremes.largest_strain2, largest_strain2[l]);
-      extremes.least_rotation_trace = std::min<double>(extremes.least_rotation_trace, least_trace[l]);
-    }
+    extremes.inverted += select(least_determinant > 0, L(0), L(1));  // at most 16 batches: exact
   }
 
   static Lanes<Scalar> determinant(const Mat3Lanes<Scalar>& m) {
@@ -233,8 +240,9 @@ class Elasticity {
 
   /// Minus the stress times the volume: -V (2 mu e + lambda tr(e) I).
   static void scaled_stress(const Batch& batch, std::size_t q, const Strain& e, Mat3Lanes<Scalar>& s) {
-    const Lanes<Scalar> two_mu = Lanes<Scalar>(-2) * batch.mu * batch.point[q].volume;
-    const Lanes<Scalar> pressure = batch.lambda * batch.point[q].volume * (e[0] + e[1] + e[2]);
+    const Lanes<Scalar> stiffness = batch.point[q].root_stiffness * batch.point[q].root_stiffness;
+    const Lanes<Scalar> two_mu = Lanes<Scalar>(-2) * stiffness;
+    const Lanes<Scalar> pressure = batch.lame_ratio * stiffness * (e[0] + e[1] + e[2]);
     for (int i = 0; i < 3; ++i) {
       const int j = (i + 1) % 3, k = (i + 2) % 3;
       s(i, i) = two_mu * e[at(i)] - pressure;
@@ -253,6 +261,7 @@ class Elasticity {
 
   Index elements_;
   std::vector<Batch> batches_;
+  std::optional<Scalar> common_lame_ratio_;
 };
 
 }  // namespace corotet

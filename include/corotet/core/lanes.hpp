@@ -128,9 +128,13 @@ class alignas(64) Lanes {
     } else if constexpr (detail::Whole<P>) {
       const auto quads =
           detail::interleave4(x.value, y.value, z.value, w.value, std::make_integer_sequence<int, lanes>());
-      for (int l = 0; l < std::min(lanes, count); ++l)
-        std::memcpy(out + at(l) * stride, reinterpret_cast<const Scalar*>(&quads[at(l % 4)]) + l / 4 * 4,
-                    4 * sizeof(Scalar));
+      if (count >= lanes) {
+        detail::store_quads(quads, out, stride, std::make_integer_sequence<int, lanes>());
+      } else {
+        for (int l = 0; l < count; ++l)
+          std::memcpy(out + at(l) * stride, reinterpret_cast<const Scalar*>(&quads[at(l % 4)]) + l / 4 * 4,
+                      4 * sizeof(Scalar));
+      }
     } else {
       interleave_and_store(x.low, y.low, z.low, w.low, out, stride, count);
       interleave_and_store(x.high, y.high, z.high, w.high, out + at(lanes / 2) * stride, stride, count - lanes / 2);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 #include <utility>
@@ -83,6 +84,16 @@ template <class V, int... I>
     return __builtin_shufflevector(p, q, (I / 4 * 4 + 2 + I % 2 + I % 4 / 2 * n)...);
   };
   return {low(a, c), high(a, c), low(b, d), high(b, d)};
+}
+
+/// Writes item l of what interleave4 made to `out + l * stride`.
+template <class V, class T, int... l>
+COROTET_ALWAYS_INLINE void store_quads(const std::array<V, 4>& quads, T* out, std::size_t stride,
+                                       std::integer_sequence<int, l...>) {
+  typedef T Quad __attribute__((vector_size(4 * sizeof(T)), aligned(sizeof(T))));  // NOLINT(modernize-use-using)
+  ((*reinterpret_cast<Quad*>(out + static_cast<std::size_t>(l) * stride) =
+        __builtin_shufflevector(quads[l % 4], quads[l % 4], l / 4 * 4, l / 4 * 4 + 1, l / 4 * 4 + 2, l / 4 * 4 + 3)),
+   ...);
 }
 
 /// The first three of four values, and zero.

@@ -23,11 +23,12 @@ struct ElementBatch {
   struct Point {
     Mat3Lanes<Scalar> inverse_jacobian;  ///< dxi/dX: (natural coordinate, space), 1/m
     Lanes<Scalar> volume;                ///< quadrature weight times det J, m^3
+    Lanes<Scalar> root_stiffness;        ///< sqrt(mu volume), sqrt(J)
   };
 
   std::array<std::array<Index, lane_count<Scalar>>, Element::nodes> vertex;
   std::array<Point, points> point;
-  Lanes<Scalar> lambda, mu;  ///< Lamé's parameters, Pa
+  Lanes<Scalar> lame_ratio;  ///< lambda / mu
 
   /// Gathers the displacements of the nodes: [node].
   void gather(const Vec3<Scalar>* displacement, std::array<Vec3Lanes<Scalar>, Element::nodes>& u) const {
@@ -42,26 +43,42 @@ struct ElementBatch {
   void displacement_gradient(std::size_t q, const std::array<Vec3Lanes<Scalar>, Element::nodes>& u,
                              Mat3Lanes<Scalar>& h) const {
     Mat3Lanes<Scalar> natural;  // du/dxi
-    for (int i = 0; i < 3; ++i)
-      for (int c = 0; c < 3; ++c) natural(i, c) = 0;
-    for (std::size_t a = 0; a < Element::nodes; ++a)
-      for (std::size_t c = 0; c < 3; ++c)
-        for (std::size_t i = 0; i < 3; ++i) add_gradient(q, a, c, u[a][i], natural.entry[i][c]);
+    if constexpr (Element::order == 1) {
+      for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t c = 0; c < 3; ++c) natural.entry[i][c] = u[c + 1][i] - u[0][i];
+    } else {
+      for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t c = 0; c < 3; ++c) natural.entry[i][c] = 0;
+      for (std::size_t a = 0; a < Element::nodes; ++a)
+        for (std::size_t c = 0; c < 3; ++c) {
+          const auto gradient = static_cast<Scalar>(natural_gradients<Element>[q][a][c]);
+          if (gradient == 0) continue;
+          for (std::size_t i = 0; i < 3; ++i) natural.entry[i][c] += Lanes<Scalar>(gradient) * u[a][i];
+        }
+    }
     const Mat3Lanes<Scalar>& inverse = point[q].inverse_jacobian;
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
         h(i, j) = natural(i, 0) * inverse(0, j) + natural(i, 1) * inverse(1, j) + natural(i, 2) * inverse(2, j);
   }
 
-  /// sum += dN_a/dxi_c * value at point q, without the products by 0, 1 and -1: all of them in Tet4, half in Tet10.
-  static void add_gradient(std::size_t q, std::size_t a, std::size_t c, const Lanes<Scalar>& value,
-                           Lanes<Scalar>& sum) {
-    const auto gradient = static_cast<Scalar>(natural_gradients<Element>[q][a][c]);
-    if (gradient == 0) return;
-    if constexpr (Element::order == 1)
-      gradient > 0 ? sum += value : sum -= value;
-    else
-      sum += Lanes<Scalar>(gradient) * value;
+  /// The sum over c of column c of `m` times dN_a/dxi_c at point q.
+  [[nodiscard]] COROTET_ALWAYS_INLINE static Vec3Lanes<Scalar> times_gradient(const Mat3Lanes<Scalar>& m, std::size_t q,
+                                                                              std::size_t a) {
+    Vec3Lanes<Scalar> sum;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto& row = m.entry[i];
+      if constexpr (Element::order == 1) {  // the gradients are (-1, -1, -1) and the unit vectors
+        sum[i] = a == 0 ? -(row[0] + row[1] + row[2]) : row[a - 1];
+      } else {
+        sum[i] = 0;
+        for (std::size_t c = 0; c < 3; ++c) {
+          const auto gradient = static_cast<Scalar>(natural_gradients<Element>[q][a][c]);
+          if (gradient != 0) sum[i] += Lanes<Scalar>(gradient) * row[c];
+        }
+      }
+    }
+    return sum;
   }
 };
 

@@ -54,47 +54,12 @@ class AutoSolver {
   explicit AutoSolver(const Options& options) : options_(options) {}
 
   /// Symbolic work and memory for matrices on this pattern.
-  void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest) {
-    *this = AutoSolver(options_);
-    method_ = options_.method == SolverMethod::automatic ? SolverMethod::pcg : options_.method;
-    if (method_ == SolverMethod::cholesky) {
-      cholesky_.analyze(*pattern);
-      if (cholesky_.fits()) {
-        cholesky_.allocate();
-        factor_.assign(cholesky_.factor());
-        in_double_ = BlockMatrix<double>(pattern);
-        refinement_ = Refinement<Scalar>(pattern->rows());
-        return;
-      }
-      method_ = SolverMethod::pcg;
-      cholesky_ = {};
-    }
-    pcg_ = Pcg<Scalar>(pattern->rows());
-    preconditioner_ = options_.preconditioner;
-    if (preconditioner_ == PreconditionerKind::automatic || preconditioner_ == PreconditionerKind::warped_cholesky) {
-      warped_.analyze(pattern, rest);
-      if (preconditioner_ == PreconditionerKind::automatic) preconditioner_ = cheaper_preconditioner(*pattern);
-      if (!warped_.fits()) preconditioner_ = PreconditionerKind::rigid_aggregates;
-    }
-    if (preconditioner_ == PreconditionerKind::warped_cholesky)
-      warped_.allocate();
-    else
-      warped_ = {};
-    if (preconditioner_ == PreconditionerKind::rigid_aggregates)
-      rigid_.analyze(*pattern, rest, aggregate_sizes(pattern->rows()));
-    if (preconditioner_ == PreconditionerKind::jacobi || preconditioner_ == PreconditionerKind::block_jacobi)
-      diagonal_ = BlockJacobi<Scalar>(*pattern, preconditioner_ == PreconditionerKind::block_jacobi);
-  }
+  void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest);
 
   /// Solves to `options().tolerance`: an error in the energy norm as Pcg knows it, or a Euclidean residual (Cholesky,
   /// refined where one substitution is not enough).
   template <Executor E>
-  SolveReport solve(const StepSystem<Scalar>& system, Field<Scalar>& x, E& executor) {
-    if (method_ == SolverMethod::cholesky) return solve_directly(system, x, executor);
-    if (preconditioner_ == PreconditionerKind::warped_cholesky) return solve_by(warped_, system, x, executor);
-    if (preconditioner_ == PreconditionerKind::rigid_aggregates) return solve_by(rigid_, system, x, executor);
-    return solve_by(diagonal_, system, x, executor);
-  }
+  SolveReport solve(const StepSystem<Scalar>& system, Field<Scalar>& x, E& executor);
 
   /// What `analyze` chose.
   [[nodiscard]] SolverMethod method() const { return method_; }
@@ -131,6 +96,9 @@ class AutoSolver {
     return {parts, parts > 800 ? Index{544} : Index{0}};
   }
 
+  // A factor for more than this costs more than rigid aggregates do, however it is ordered: it need not be counted.
+  static constexpr Index most_vertices_of_a_small_body = 2000;
+
   Options options_;
   SolverMethod method_ = SolverMethod::pcg;
   PreconditionerKind preconditioner_ = PreconditionerKind::block_jacobi;
@@ -143,6 +111,52 @@ class AutoSolver {
   BlockFactor<Scalar, 3> factor_;
   Refinement<Scalar> refinement_;
 };
+
+// The two below are not in the class, where they would be inline and compiled wherever they are called: so a program
+// can compile them once, with explicit instantiations.
+template <std::floating_point Scalar>
+void AutoSolver<Scalar>::analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest) {
+  *this = AutoSolver(options_);
+  method_ = options_.method == SolverMethod::automatic ? SolverMethod::pcg : options_.method;
+  if (method_ == SolverMethod::cholesky) {
+    cholesky_.analyze(*pattern);
+    if (cholesky_.fits()) {
+      cholesky_.allocate();
+      factor_.assign(cholesky_.factor());
+      in_double_ = BlockMatrix<double>(pattern);
+      refinement_ = Refinement<Scalar>(pattern->rows());
+      return;
+    }
+    method_ = SolverMethod::pcg;
+    cholesky_ = {};
+  }
+  pcg_ = Pcg<Scalar>(pattern->rows());
+  preconditioner_ = options_.preconditioner;
+  if (preconditioner_ == PreconditionerKind::automatic && pattern->rows() > most_vertices_of_a_small_body)
+    preconditioner_ = PreconditionerKind::rigid_aggregates;
+  if (preconditioner_ == PreconditionerKind::automatic || preconditioner_ == PreconditionerKind::warped_cholesky) {
+    warped_.analyze(pattern, rest);
+    if (preconditioner_ == PreconditionerKind::automatic) preconditioner_ = cheaper_preconditioner(*pattern);
+    if (!warped_.fits()) preconditioner_ = PreconditionerKind::rigid_aggregates;
+  }
+  if (preconditioner_ == PreconditionerKind::warped_cholesky)
+    warped_.allocate();
+  else
+    warped_ = {};
+  if (preconditioner_ == PreconditionerKind::rigid_aggregates)
+    rigid_.analyze(*pattern, rest, aggregate_sizes(pattern->rows()));
+  if (preconditioner_ == PreconditionerKind::jacobi || preconditioner_ == PreconditionerKind::block_jacobi)
+    diagonal_ = BlockJacobi<Scalar>(*pattern, preconditioner_ == PreconditionerKind::block_jacobi);
+}
+
+template <std::floating_point Scalar>
+template <Executor E>
+SolveReport AutoSolver<Scalar>::solve(const StepSystem<Scalar>& system, Field<Scalar>& x, E& executor) {
+  if (method_ == SolverMethod::cholesky) return solve_directly(system, x, executor);
+  if (preconditioner_ == PreconditionerKind::warped_cholesky) return solve_by(warped_, system, x, executor);
+  if (preconditioner_ == PreconditionerKind::rigid_aggregates) return solve_by(rigid_, system, x, executor);
+  return solve_by(diagonal_, system, x, executor);
+}
 
 static_assert(LinearSolver<AutoSolver<float>, float> && LinearSolver<AutoSolver<double>, double>);
 

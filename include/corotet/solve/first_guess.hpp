@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
@@ -30,73 +31,109 @@ class FirstGuess {
   double start(const StepSystem<Scalar>& system, PaddedField<Scalar>& x, PaddedField<Scalar>& r, E& executor) {
     for (PaddedField<Scalar>& last : last_)
       for (const Index v : system.pinned) last[at(v)] = {};
-    const auto sums = sums_(executor, [&](Index begin, Index end) {
+    const Sums sums = sums_(executor, [&](Index begin, Index end) {
       multiply(system.matrix, begin, end);
       for (Index i = begin; i < end; ++i) r[at(i)].set(system.right_side[at(i)]);
-      return Sums{range_dot(last_[0], product_[0], begin, end), range_dot(last_[0], product_[1], begin, end),
-                  range_dot(last_[1], product_[1], begin, end), range_dot(last_[0], r, begin, end),
-                  range_dot(last_[1], r, begin, end)};
+      Sums part;
+      std::size_t n = 0;
+      for (std::size_t k = 0; k < depth; ++k) {
+        for (std::size_t l = 0; l <= k; ++l) part[n++] = range_dot(last_[k], product_[l], begin, end);
+        part[n++] = range_dot(last_[k], r, begin, end);
+      }
+      return part;
     });
     const Combination c = nearest(sums);
     for_ranges(executor, size_of(x), RangeSum::grain, [&](Index begin, Index end) {
       const auto of = [&](auto& field) { return range_of(field, begin, end); };
-      const auto first = static_cast<Scalar>(c.factor[0]), second = static_cast<Scalar>(c.factor[1]);
-      of(x) = first * of(last_[0]) + second * of(last_[1]);
-      of(r) -= first * of(product_[0]) + second * of(product_[1]);
+      of(x).setZero();
+      for (std::size_t k = 0; k < depth; ++k) {
+        const auto factor = static_cast<Scalar>(c.factor[k]);
+        of(x) += factor * of(last_[k]);
+        of(r) -= factor * of(product_[k]);
+      }
     });
     return c.energy;
   }
 
   /// Keeps a solution; the oldest is forgotten.
   void remember(const PaddedField<Scalar>& x) {
-    std::swap(last_[0], last_[1]);
+    for (std::size_t k = depth - 1; k > 0; --k) std::swap(last_[k], last_[k - 1]);
     last_[0] = x;
   }
 
  private:
-  /// x0.Ax0, x0.Ax1, x1.Ax1, x0.b, x1.b
-  using Sums = typename RangeSums<5>::Sums;
+  /// For each k: x_k . A x_l for l <= k, then x_k . b
+  static constexpr std::size_t sum_count = depth * (depth + 1) / 2 + depth;
+  using Sums = typename RangeSums<sum_count>::Sums;
 
   struct Combination {
     std::array<double, depth> factor{};
     double energy = 0;
   };
 
-  /// Solves the projected equation by elimination; what the older solution adds to the newer one is left out where
-  /// rounding hides it.
+  /// Solves the projected equation by Cholesky's method; what an older solution adds to the newer ones is left out
+  /// where rounding hides it.
   [[nodiscard]] static Combination nearest(const Sums& s) {
-    const auto [a00, a01, a11, b0, b1] = s;
+    std::array<std::array<double, depth>, depth> l{};
+    std::array<double, depth> y{};
+    std::array<bool, depth> used{};
+    std::size_t n = 0;
     Combination c;
-    if (!(a00 > 0)) return c;
-    const double share = a01 / a00, rest = a11 - share * a01;
-    if (rest > 1e-8 * a11) c.factor[1] = (b1 - share * b0) / rest;
-    c.factor[0] = b0 / a00 - share * c.factor[1];
-    c.energy = c.factor[0] * b0 + c.factor[1] * b1;
+    for (std::size_t k = 0; k < depth; ++k) {
+      const double* row = &s[n];
+      const double own = row[k], right = row[k + 1];
+      n += k + 2;
+      double rest = own;
+      y[k] = right;
+      for (std::size_t j = 0; j < k; ++j) {
+        if (!used[j]) continue;
+        double sum = row[j];
+        for (std::size_t i = 0; i < j; ++i) sum -= l[k][i] * l[j][i];
+        l[k][j] = sum / l[j][j];
+        rest -= l[k][j] * l[k][j];
+        y[k] -= l[k][j] * y[j];
+      }
+      used[k] = own > 0 && rest > 1e-8 * own;
+      if (!used[k]) {
+        l[k] = {};
+        y[k] = 0;
+        continue;
+      }
+      l[k][k] = std::sqrt(rest);
+      y[k] /= l[k][k];
+      c.energy += y[k] * y[k];
+    }
+    for (std::size_t k = depth; k-- > 0;) {
+      if (!used[k]) continue;
+      double sum = y[k];
+      for (std::size_t i = k + 1; i < depth; ++i) sum -= l[i][k] * c.factor[i];
+      c.factor[k] = sum / l[k][k];
+    }
     return c;
   }
 
-  /// Rows [begin, end) of both products, for one read of the matrix.
+  /// Rows [begin, end) of all products, for one read of the matrix.
   void multiply(const BlockMatrix<Scalar>& matrix, Index begin, Index end) {
     using Q = Quad<Scalar>;
     const BlockPattern& p = matrix.pattern();
     for (Index i = begin; i < end; ++i) {
-      std::array<Q, 3> u{Q(Scalar(0)), Q(Scalar(0)), Q(Scalar(0))}, v = u;
+      std::array<Q, 3 * depth> sum;
+      sum.fill(Q(Scalar(0)));
       for (Index k = p.row_start[at(i)]; k < p.row_start[at(i) + 1]; ++k) {
         const Scalar* a = matrix.values(k);
         const Index j = p.column[at(k)];
         for (std::size_t c = 0; c < 3; ++c) {
           const Q column = Q::load(a + 3 * c);
-          u[c] += column * Q(last_[0][at(j)][c]);
-          v[c] += column * Q(last_[1][at(j)][c]);
+          for (std::size_t v = 0; v < depth; ++v) sum[3 * v + c] += column * Q(last_[v][at(j)][c]);
         }
       }
-      product_[0][at(i)].set((u[0] + u[1] + u[2]).first_three());
-      product_[1][at(i)].set((v[0] + v[1] + v[2]).first_three());
+      for (std::size_t v = 0; v < depth; ++v)
+        product_[v][at(i)].set((sum[3 * v] + sum[3 * v + 1] + sum[3 * v + 2]).first_three());
     }
   }
 
   std::array<PaddedField<Scalar>, depth> last_, product_;
-  RangeSums<5> sums_;
+  RangeSums<sum_count> sums_;
 };
 
 }  // namespace corotet
