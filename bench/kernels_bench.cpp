@@ -108,8 +108,7 @@ struct Beam {
     assemble_into(matrix);
     for (const Index v : body.pins().vertices()) matrix.isolate(v);
     for (std::size_t v = 0; v < x.size(); ++v) x[v].set(body.velocities()[v]);
-    const Index parts = body.vertex_count() / 27;  // as AutoSolver picks them
-    rigid.analyze(*body.pattern(), body.mesh().positions(), {parts, parts > 800 ? Index{544} : Index{0}});
+    rigid.analyze(*body.pattern(), body.mesh().positions(), RigidAggregates<float>::sizes_for(body.vertex_count()));
     warped.analyze(body.pattern(), body.mesh().positions());
   }
 

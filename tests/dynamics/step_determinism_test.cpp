@@ -3,8 +3,10 @@
 #include <corotet/dynamics/step_bodies.hpp>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstring>
 #include <span>
+#include <thread>
 #include <vector>
 
 #include "../src/thread_pool.hpp"
@@ -35,6 +37,15 @@ auto state_of(const Body& body) {
 template <class State>
 bool same_bits(const State& a, const State& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
+}
+
+/// Returns when each thread of the pool has begun to work: a thread may allocate when it starts.
+void start_threads(program::ThreadPool& pool, int threads) {
+  std::atomic<int> there = 0;
+  pool(threads, [&](Index) {
+    ++there;
+    while (there < threads) std::this_thread::yield();
+  });
 }
 
 template <class T>
@@ -75,6 +86,7 @@ TYPED_TEST(StepDeterminism, BodiesSteppedTogetherMoveAsTheyWouldAlone) {
   for (const Body& body : bodies) integrators.emplace_back(body);
   std::vector<StepReport> reports(bodies.size());
   program::ThreadPool pool(3);
+  start_threads(pool, 3);
   const long before = testing::allocation_count;
   for (int step = 0; step < 4; ++step)
     step_bodies(std::span(integrators), std::span(bodies), Scalar(1.0 / 60), std::span(reports), pool);
@@ -98,6 +110,7 @@ TYPED_TEST(StepDeterminism, AStepAllocatesNothing) {
   body.set_gravity({0, 0, Scalar(-9.81)});
   const Index led = body.pins().vertices().front();
   program::ThreadPool pool(2);
+  start_threads(pool, 2);
   const auto expect_none = [&](const SolverOptions& options) {
     ImplicitEuler euler(body, options);
     const long before = testing::allocation_count;

@@ -158,6 +158,30 @@ TYPED_TEST(Preconditioners, ANewEraIsNoticed) {
   EXPECT_EQ(iterations(later, warped), iterations(later, fresh_warped));
 }
 
+/// A matrix that cannot be factored, once, is no reason to fail ever after.
+TYPED_TEST(Preconditioners, RecoverFromAMatrixThatCannotBeFactored) {
+  using Scalar = typename TypeParam::Scalar;
+  const BeamSystem<Scalar, typename TypeParam::Element> good({6, 2, 2});
+  BeamSystem<Scalar, typename TypeParam::Element> bad({6, 2, 2});
+  bad.matrix.block(bad.matrix.pattern().diagonal.back()).setConstant(std::numeric_limits<Scalar>::quiet_NaN());
+  SerialExecutor serial;
+  const auto expect_recovery = [&](auto& preconditioner) {
+    preconditioner.update(bad.system(), serial);
+    EXPECT_GT(iterations(good.system(), preconditioner), 0);
+    StepSystem<Scalar> later = bad.system();
+    later.era = 2;
+    preconditioner.update(later, serial);
+    StepSystem<Scalar> last = good.system();
+    last.era = 2;
+    EXPECT_GT(iterations(last, preconditioner), 0);
+  };
+  auto rigid = rigid_for(good, 8), three_levels = rigid_for(good, 12, 4);
+  auto warped = warped_for(good);
+  expect_recovery(rigid);
+  expect_recovery(three_levels);
+  expect_recovery(warped);
+}
+
 /// Blocks whose determinant leaves the range of float are still inverted.
 TEST(BlockJacobi, InvertsBlocksOfAnyMagnitude) {
   const auto mesh = testing::block<float, Tet4>({});

@@ -53,6 +53,7 @@ class BlockMatrix {
     const auto add = [&](Index k, std::size_t first) {
       const Scalar* a = values(k);
       const Scalar* v = x[at(pattern_->column[at(k)])].data();
+      COROTET_UNROLL
       for (std::size_t c = 0; c < 3; ++c) sum[first + c] += Quad<Scalar>::load(a + 3 * c) * Quad<Scalar>(v[c]);
     };
     const Index end = pattern_->row_start[at(row) + 1];
@@ -76,7 +77,9 @@ class BlockMatrix {
     for (Index k = pattern_->row_start[at(row)]; k < pattern_->row_start[at(row) + 1]; ++k) {
       const Scalar* a = values(k);
       const Vec3<Scalar> v = x[at(pattern_->column[at(k)])] - here;
-      for (int c = 0; c < 3; ++c) sum[at(c)] += Quad<Scalar>::load(a + 3 * c) * Quad<Scalar>(v[c]);
+      COROTET_UNROLL
+      for (std::size_t c = 0; c < 3; ++c)
+        sum[c] += Quad<Scalar>::load(a + 3 * c) * Quad<Scalar>(v[static_cast<int>(c)]);
     }
     return (sum[0] + sum[1] + sum[2]).first_three();
   }

@@ -102,9 +102,11 @@ class StiffnessSum {
     for (std::size_t q = 0; q < Evaluation::points; ++q) {
       const Scalar* gb = state.gradient(q, column);
       const Q ga = Q::load(state.gradient(q, row));
+      COROTET_UNROLL
       for (std::size_t c = 0; c < 3; ++c) mu_[c] += ga * Q(gb[c]);
       if constexpr (!same_ratio) {
         const Q lambda_ga = ga * Q(gb[3]);
+        COROTET_UNROLL
         for (std::size_t c = 0; c < 3; ++c) lambda_[c] += lambda_ga * Q(gb[c]);
       }
     }
@@ -114,6 +116,7 @@ class StiffnessSum {
   COROTET_ALWAYS_INLINE void set_ratio(Scalar lame_ratio)
     requires same_ratio
   {
+    COROTET_UNROLL
     for (std::size_t c = 0; c < 3; ++c) lambda_[c] = Q(lame_ratio) * mu_[c];
   }
 
@@ -124,6 +127,7 @@ class StiffnessSum {
     const std::array<Q, 3> mu_t = transposed(mu_[0], mu_[1], mu_[2]);
     const Q trace = diagonal_sum();
     std::array<Q, 3> k, k_t;
+    COROTET_UNROLL
     for (std::size_t c = 0; c < 3; ++c) {
       const Q isotropic = trace * unit(c), scale(factor);
       k[c] = scale * (lambda_[c] + mu_t[c] + isotropic);
@@ -143,6 +147,7 @@ class StiffnessSum {
   }
   [[nodiscard]] COROTET_ALWAYS_INLINE Q diagonal_sum() const {
     std::array<std::array<Scalar, 4>, 3> m;
+    COROTET_UNROLL
     for (std::size_t c = 0; c < 3; ++c) mu_[c].store(m[c].data());
     return Q(m[0][0] + m[1][1] + m[2][2]);
   }

@@ -17,6 +17,13 @@
 #define COROTET_ALWAYS_INLINE inline
 #endif
 
+// Before a loop over a few registers: at -O2, GCC 12 keeps them in memory unless the loop is unrolled.
+#if defined(__GNUC__) && !defined(__clang__)
+#define COROTET_UNROLL _Pragma("GCC unroll 8")
+#else
+#define COROTET_UNROLL
+#endif
+
 namespace corotet::detail {
 
 /// Bytes in the widest register.

@@ -91,11 +91,6 @@ class AutoSolver {
                                                                     : PreconditionerKind::rigid_aggregates;
   }
 
-  [[nodiscard]] static typename RigidAggregates<Scalar>::Sizes aggregate_sizes(Index vertices) {
-    const Index parts = vertices / 27;
-    return {parts, parts > 800 ? Index{544} : Index{0}};
-  }
-
   // A factor for more than this costs more than rigid aggregates do, however it is ordered: it need not be counted.
   static constexpr Index most_vertices_of_a_small_body = 2000;
 
@@ -144,7 +139,7 @@ void AutoSolver<Scalar>::analyze(const std::shared_ptr<const BlockPattern>& patt
   else
     warped_ = {};
   if (preconditioner_ == PreconditionerKind::rigid_aggregates)
-    rigid_.analyze(*pattern, rest, aggregate_sizes(pattern->rows()));
+    rigid_.analyze(*pattern, rest, RigidAggregates<Scalar>::sizes_for(pattern->rows()));
   if (preconditioner_ == PreconditionerKind::jacobi || preconditioner_ == PreconditionerKind::block_jacobi)
     diagonal_ = BlockJacobi<Scalar>(*pattern, preconditioner_ == PreconditionerKind::block_jacobi);
 }

@@ -70,6 +70,7 @@ class BlockFactor {
   /// The block at `a` times y.
   [[nodiscard]] COROTET_ALWAYS_INLINE static Segment product(const Scalar* a, const std::array<Scalar, width>& y) {
     Segment even(Scalar(0)), odd(Scalar(0));
+    COROTET_UNROLL
     for (std::size_t c = 0; c < std::size_t{B}; ++c)
       (c % 2 == 0 ? even : odd) += Segment::load(a + B * c) * Segment(y[c]);
     return even + odd;
@@ -94,9 +95,11 @@ class BlockFactor {
     sum.fill(Segment(Scalar(0)));
     for (Index p = column_start[at(j)] + 1; p < column_start[at(j) + 1]; ++p) add_transposed(p, row[at(p)], sum);
     Scalar* y = segment(j);
+    COROTET_UNROLL
     for (std::size_t c = 0; c < std::size_t{B}; ++c) y[c] -= total(sum[c]);
     sum.fill(Segment(Scalar(0)));
     add_transposed(column_start[at(j)], j, sum);
+    COROTET_UNROLL
     for (std::size_t c = 0; c < std::size_t{B}; ++c) y[c] = total(sum[c]);
   }
 
@@ -104,6 +107,7 @@ class BlockFactor {
   COROTET_ALWAYS_INLINE void add_transposed(Index p, Index i, std::array<Segment, std::size_t{B}>& sum) {
     const Scalar* a = values(p);
     const Segment y = Segment::load(segment(i));
+    COROTET_UNROLL
     for (std::size_t c = 0; c < std::size_t{B}; ++c) sum[c] += Segment::load(a + B * c) * y;
   }
   [[nodiscard]] COROTET_ALWAYS_INLINE static Scalar total(const Segment& s) {

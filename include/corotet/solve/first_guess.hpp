@@ -122,8 +122,10 @@ class FirstGuess {
       for (Index k = p.row_start[at(i)]; k < p.row_start[at(i) + 1]; ++k) {
         const Scalar* a = matrix.values(k);
         const Index j = p.column[at(k)];
+        COROTET_UNROLL
         for (std::size_t c = 0; c < 3; ++c) {
           const Q column = Q::load(a + 3 * c);
+          COROTET_UNROLL
           for (std::size_t v = 0; v < depth; ++v) sum[3 * v + c] += column * Q(last_[v][at(j)][c]);
         }
       }

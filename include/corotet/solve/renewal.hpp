@@ -27,6 +27,9 @@ class Renewal {
     return true;
   }
 
+  /// The factorisation that was due could not be made: it is due again.
+  void failed() { era_ = 0; }
+
   /// Called at each application.
   void count() { ++applications_; }
 

@@ -41,6 +41,15 @@ class RigidAggregates {
     Index groups = 0;  ///< of parts; 0: none
   };
 
+  /// Parts of 27 vertices do best on small bodies, and the time of a step hardly depends on it; larger ones, of up to
+  /// 60, keep the coarse factor small; beyond that a level between is cheaper. (Measured on the beams of
+  /// docs/speed.md.)
+  [[nodiscard]] static Sizes sizes_for(Index vertices) {
+    constexpr Index least = 27, most = 60, most_coupled_parts = 1000;
+    if (vertices > most * most_coupled_parts) return {vertices / least, std::min<Index>(vertices / 230, 2000)};
+    return {vertices / std::clamp<Index>(vertices / 600, least, most), 0};
+  }
+
   RigidAggregates() = default;
 
   void analyze(const BlockPattern& pattern, const Field<Scalar>& rest, Sizes sizes) {
@@ -251,8 +260,12 @@ class RigidAggregates {
         coarse_.block(k) = in_part_axes(frames, g, p.column[at(k)], coarse_.block(k));
       stabilise(coarse_.block(p.diagonal[at(g)]));
     });
-    usable_ = cholesky_.factorize(coarse_);
-    if (usable_) factor_.assign(cholesky_.factor());
+    if (cholesky_.factorize(coarse_)) {
+      factor_.assign(cholesky_.factor());
+      usable_ = true;
+    } else {
+      renewal_.failed();  // and the last factor that could be made serves on
+    }
     if (!coupled_parts_) invert_parts(matrix, executor);
   }
 
@@ -287,9 +300,11 @@ class RigidAggregates {
       z[at(v)].set(smooth);
       product += smooth * rv.quad();
       const Q offset = offset_[at(v)].quad();
+      COROTET_UNROLL
       for (std::size_t c = 0; c < 3; ++c) column[c] += offset * Q(rv[c]);
     }
     std::array<std::array<Scalar, 4>, 3> m;
+    COROTET_UNROLL
     for (std::size_t c = 0; c < 3; ++c) column[c].store(m[c].data());
     std::array<Scalar, 4> sum;
     product.store(sum.data());

@@ -58,8 +58,12 @@ class WarpedCholesky {
           unturned_.block(k) = (rotation_[at(i)].transpose() * system.matrix.block(k) * rotation_[at(p.column[at(k)])])
                                    .template cast<double>();
     });
-    usable_ = cholesky_.factorize(unturned_);
-    if (usable_) factor_.assign(cholesky_.factor());
+    if (cholesky_.factorize(unturned_)) {
+      factor_.assign(cholesky_.factor());
+      usable_ = true;
+    } else {
+      renewal_.failed();  // and the last factor that could be made serves on
+    }
   }
 
   template <Executor E>
