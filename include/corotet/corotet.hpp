@@ -23,6 +23,7 @@
 #include <corotet/dynamics/step_bodies.hpp>
 #include <corotet/dynamics/step_phase.hpp>
 #include <corotet/dynamics/step_report.hpp>
+#include <corotet/dynamics/system_era.hpp>
 #include <corotet/element/element_batch.hpp>
 #include <corotet/element/jacobian.hpp>
 #include <corotet/element/reference_element.hpp>
@@ -101,6 +102,7 @@
 #include <corotet/solve/renewal.hpp>
 #include <corotet/solve/rigid_aggregates.hpp>
 #include <corotet/solve/rigid_modes.hpp>
+#include <corotet/solve/rigid_parts.hpp>
 #include <corotet/solve/rotation_of_points.hpp>
 #include <corotet/solve/small_cholesky.hpp>
 #include <corotet/solve/solver.hpp>

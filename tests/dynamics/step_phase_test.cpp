@@ -4,14 +4,17 @@
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <corotet/dynamics/soft_body.hpp>
 #include <corotet/dynamics/step_phase.hpp>
+#include <corotet/dynamics/system_era.hpp>
 #include <corotet/mesh/make_block.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
 namespace {
 
 using corotet::StepPhase;
+using corotet::SystemEra;
 using Body = corotet::SoftBody<double>;
 
 Body hanging_block() {
@@ -56,6 +59,32 @@ TEST(StepPhase, ObservingChangesNoBit) {
   }
   EXPECT_EQ(observed.displacements(), alone.displacements());
   EXPECT_EQ(observed.velocities(), alone.velocities());
+}
+
+/// Motion, and steps that vary a little, go on with what was factored; anything else begins a new era.
+TEST(SystemEra, ChangesWithAllThatChangesTheMatrixButMotion) {
+  SystemEra era;
+  SystemEra::Settings now{.mass_factor = 1, .stiffness_factor = 3e-4, .materials = 5, .pins = 9};
+  EXPECT_EQ(era.of(now), 1U);
+  for (const double factor : {1.0, 1.2, 0.8, 1.0}) {
+    now.stiffness_factor = factor * 3e-4;
+    EXPECT_EQ(era.of(now), 1U);
+  }
+  now.stiffness_factor = 6e-4;
+  EXPECT_EQ(era.of(now), 2U);
+  now.mass_factor = 2;
+  EXPECT_EQ(era.of(now), 3U);
+  now.materials = 6;
+  EXPECT_EQ(era.of(now), 4U);
+  now.pins = 10;
+  EXPECT_EQ(era.of(now), 5U);
+  // Slow growth does not creep past the limit: what counts is the first step of the era.
+  std::uint64_t last = 5;
+  for (int i = 0; i < 10; ++i) {
+    now.stiffness_factor *= 1.1;
+    last = era.of(now);
+  }
+  EXPECT_EQ(last, 8U);  // 1.1^3 > 1.25 three times
 }
 
 }  // namespace

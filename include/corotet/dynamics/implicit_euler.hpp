@@ -11,6 +11,7 @@
 #include <corotet/dynamics/soft_body.hpp>
 #include <corotet/dynamics/step_phase.hpp>
 #include <corotet/dynamics/step_report.hpp>
+#include <corotet/dynamics/system_era.hpp>
 #include <corotet/solve/auto_solver.hpp>
 #include <corotet/solve/solver.hpp>
 #include <cstdint>
@@ -57,7 +58,7 @@ class ImplicitEuler {
     build_system(body, h, executor);
 
     observer(StepPhase::solve);
-    const StepSystem<Scalar> system{matrix_, right_side_, body.displacements(), body.pins().vertices(), era_};
+    const StepSystem<Scalar> system{matrix_, right_side_, body.displacements(), body.pins().vertices(), era_number_};
     const SolveReport solve = solver_.solve(system, change_, executor);
     report.converged = solve.status == SolveStatus::converged;
     report.iterations = solve.iterations;
@@ -120,9 +121,8 @@ class ImplicitEuler {
     const auto mass_factor = static_cast<Scalar>(1 + h * mass_damping);
     const auto stiffness_factor = static_cast<Scalar>(h * (h + stiffness_damping));
     assemble(body.law(), evaluation_, body.mass(), mass_factor, stiffness_factor, matrix_, executor);
-    const Settings settings{mass_factor, stiffness_factor, body.material_revision(), body.pins().revision()};
-    if (settings != settings_) ++era_;
-    settings_ = settings;
+    era_number_ =
+        era_.of({double(mass_factor), double(stiffness_factor), body.material_revision(), body.pins().revision()});
 
     velocity_ = body.velocities();
     const auto& pinned = body.pins().vertices();
@@ -146,20 +146,13 @@ class ImplicitEuler {
     }
   }
 
-  /// What the matrix depends on besides the displacement.
-  struct Settings {
-    Scalar mass_factor = 0, stiffness_factor = 0;
-    std::uint64_t material = 0, pins = 0;
-    friend bool operator==(const Settings&, const Settings&) = default;
-  };
-
   Solver solver_;
   typename Body::Law::Evaluation evaluation_;
   BlockMatrix<Scalar> matrix_;
   Field<Scalar> right_side_, change_, velocity_, displacement_;
   std::uint64_t revision_ = 0;  // of the state in evaluation_
-  Settings settings_;
-  std::uint64_t era_ = 0;  // counts changes of settings_
+  SystemEra era_;
+  std::uint64_t era_number_ = 0;
 };
 
 }  // namespace corotet

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
+#include <span>
 #include <vector>
 
 namespace corotet {
@@ -17,6 +18,10 @@ struct Aggregates {
   std::vector<Index> of;      ///< the aggregate of each
 
   [[nodiscard]] Index count() const { return size_of(start) - 1; }
+
+  [[nodiscard]] std::span<const Index> members(Index a) const {
+    return std::span(member).subspan(at(start[at(a)]), at(start[at(a + 1)] - start[at(a)]));
+  }
 
   /// Halves the box across its longest side until there are `count` parts, 1 <= count <= position.size().
   template <std::floating_point Scalar>

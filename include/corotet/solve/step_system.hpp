@@ -19,8 +19,8 @@ struct StepSystem {
   const Field<Scalar>& displacement;
   /// Vertices whose equations stand alone, with zero on the right side.
   std::span<const Index> pinned;
-  /// Another number means that the matrix changed for other reasons than the displacement: another step, damping, other
-  /// materials, other pins.
+  /// > 0. Another number means that the matrix changed for other reasons than the displacement: a far longer or shorter
+  /// step, other damping, other materials, other pins. See SystemEra.
   std::uint64_t era = 0;
 };
 

@@ -1,0 +1,76 @@
+#include <cstdlib>
+#include <map>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "program_runner.hpp"
+
+namespace {
+
+using corotet::testing::Outcome;
+using corotet::testing::ProgramTest;
+
+class BenchCommand : public ProgramTest {
+ protected:
+  /// The rows of a table in CSV, by column.
+  [[nodiscard]] std::vector<std::map<std::string, std::string>> read_csv(const std::string& name) const {
+    std::istringstream text(read(name));
+    std::vector<std::string> columns;
+    std::vector<std::map<std::string, std::string>> rows;
+    for (std::string line; std::getline(text, line);) {
+      std::istringstream cells(line);
+      std::vector<std::string> row;
+      for (std::string cell; std::getline(cells, cell, ',');) row.push_back(cell);
+      if (columns.empty()) {
+        columns = row;
+        continue;
+      }
+      EXPECT_EQ(row.size(), columns.size()) << line;
+      auto& named = rows.emplace_back();
+      for (std::size_t i = 0; i < row.size(); ++i) named[columns[i]] = row[i];
+    }
+    return rows;
+  }
+};
+
+/// No times are tested, only that they are there; errors are, for they do not depend on the machine.
+TEST_F(BenchCommand, PrintsCostsWithTheirErrors) {
+  must("mesh block --cells 3 2 2 -o block.msh");
+  const Outcome outcome = corotet("bench XS block.msh --steps 8 --csv table.csv");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("rigid_aggregates"), std::string::npos) << outcome.out;
+  const auto rows = read_csv("table.csv");
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0].at("elements"), "240");
+  EXPECT_EQ(rows[1].at("mesh"), "block.msh");
+  for (const auto& row : rows) {
+    for (const char* column : {"SpMV_us", "step_ms", "step_SpMV", "evaluate_SpMV", "assemble_SpMV", "solve_SpMV"})
+      EXPECT_GT(std::atof(row.at(column).c_str()), 0) << column;
+    EXPECT_GT(std::atof(row.at("error").c_str()), 0);
+    EXPECT_LT(std::atof(row.at("error").c_str()), 1.5e-3);
+  }
+}
+
+TEST_F(BenchCommand, TighterTolerancesGiveSmallerErrors) {
+  const auto error = [&](const std::string& options) {
+    must("bench XS --steps 8 --csv table.csv " + options);
+    return std::atof(read_csv("table.csv").at(0).at("error").c_str());
+  };
+  for (const std::string order : {"--order 1", "--order 2"})
+    EXPECT_LT(error(order + " --tolerance 1e-4"), 0.3 * error(order + " --tolerance 1e-2"));
+}
+
+TEST_F(BenchCommand, SaysWhatItCannotDo) {
+  for (const auto& [arguments, expected] :
+       {std::pair{"bench nothing.msh", "nothing.msh"}, std::pair{"bench XS --tolerance 2", "--tolerance"},
+        std::pair{"bench XS --steps 8 --csv no/such/folder.csv", "no/such/folder.csv"},
+        std::pair{"bench XS --preconditioner best", "--preconditioner"}}) {
+    const Outcome outcome = corotet(arguments);
+    EXPECT_NE(outcome.exit_code, 0) << arguments;
+    EXPECT_NE(outcome.err.find(expected), std::string::npos) << arguments << "\n" << outcome.err;
+  }
+}
+
+}  // namespace
