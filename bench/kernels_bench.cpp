@@ -26,6 +26,8 @@
 #include <utility>
 #include <vector>
 
+#include "plain_product.hpp"
+
 namespace corotet {
 namespace {
 
@@ -203,22 +205,6 @@ std::vector<Mat3Lanes<float>> deformations(const Beam<Element>& b) {
   return f;
 }
 
-/// The product as one would first write it, left to the compiler.
-void plain_product(const BlockMatrix<float>& matrix, const Field<float>& x, Field<float>& y) {
-  const BlockPattern& p = matrix.pattern();
-  for (Index i = 0; i < matrix.rows(); ++i) {
-    float sum0 = 0, sum1 = 0, sum2 = 0;
-    for (Index k = p.row_start[at(i)]; k < p.row_start[at(i) + 1]; ++k) {
-      const float* a = matrix.values(k);
-      const Vec3<float>& v = x[at(p.column[at(k)])];
-      sum0 += a[0] * v[0] + a[3] * v[1] + a[6] * v[2];
-      sum1 += a[1] * v[0] + a[4] * v[1] + a[7] * v[2];
-      sum2 += a[2] * v[0] + a[5] * v[1] + a[8] * v[2];
-    }
-    y[at(i)] = {sum0, sum1, sum2};
-  }
-}
-
 template <class Element, class P>
 void apply(benchmark::State& state, Beam<Element>& b, P&& preconditioner, const Work& work) {
   preconditioner.update(b.system(), b.serial);
@@ -262,7 +248,7 @@ void add_rows(const std::string& element, const std::vector<Index>& all_cells) {
   });
   add("plain_product", [](State& state, B& b) {
     Field<float> y(b.x.size());
-    measure(state, b.product_work(12), [&] { plain_product(b.matrix, b.body.velocities(), y); });
+    measure(state, b.product_work(12), [&] { program::plain_product(b.matrix, b.body.velocities(), y); });
   });
   add("block_jacobi", [](State& state, B& b) {  // the inverse (4 x 3 numbers), r and z; z and r . z
     apply(state, b, BlockJacobi<float>(*b.body.pattern()), Work::once(80 * b.vertices, (15 + 6) * b.vertices));
