@@ -12,6 +12,7 @@
 #include <string>
 #include <utility>
 
+#include "loads.hpp"
 #include "problems.hpp"
 
 namespace corotet::program {
@@ -38,7 +39,9 @@ Result<Field<double>> read_vectors(const std::filesystem::path& path, Index vert
   return vectors;
 }
 
-std::vector<Index> vertices_in(const MeshData& mesh, const PinBox& box) {
+/// `Box`: has the corners `least` and `most`.
+template <class Box>
+std::vector<Index> vertices_in(const MeshData& mesh, const Box& box) {
   std::vector<Index> inside;
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     const Vec3<double>& x = mesh.positions[at(v)];
@@ -71,6 +74,51 @@ Vec3<double> PinnedVertices::displacement(double t) const {
   return path.back().displacement;
 }
 
+namespace {
+
+/// Pins, forces, probes and the initial state, matched to input.mesh.
+void match(const Scene& scene, RunInput& input, Problems& problems) {
+  for (std::size_t i = 0; i < scene.pins.size(); ++i) {
+    const PinBox& pin = scene.pins[i];
+    input.pins.push_back({vertices_in(input.mesh, pin), pin.path});
+    if (input.pins.back().vertices.empty())
+      problems.add(fmt::format("pins[{}].box", i), "no vertex lies in it (rest positions, m)");
+  }
+  for (const Vec3<double>& point : scene.probes) input.probes.push_back(nearest_position(input.mesh.positions, point));
+  const Index vertices = input.mesh.vertex_count();
+  if (scene.initial_positions)
+    input.positions = problems.take("initial.positions", read_vectors(*scene.initial_positions, vertices));
+  if (scene.initial_velocities)
+    input.velocities = problems.take("initial.velocities", read_vectors(*scene.initial_velocities, vertices));
+  if (scene.forces.empty() && !scene.initial_velocity && !scene.initial_angular_velocity) return;
+
+  const std::vector<double> volume = vertex_volumes(input.mesh);
+  if (!scene.forces.empty()) input.forces.emplace(at(vertices), Vec3<double>::Zero());
+  for (std::size_t i = 0; i < scene.forces.size(); ++i) {
+    const ForceBox& force = scene.forces[i];
+    const std::vector<Index> inside = vertices_in(input.mesh, force);
+    if (inside.empty())
+      problems.add(fmt::format("forces[{}].box", i), "no vertex lies in it (rest positions, m)");
+    else if (!add_force(input.mesh, volume, inside, force, *input.forces))
+      problems.add(fmt::format("forces[{}].torque", i), "all vertices in the box lie on its axis: they have no lever");
+  }
+  if (scene.initial_velocity || scene.initial_angular_velocity)
+    input.velocities = rigid_velocities(input.positions.value_or(input.mesh.positions), volume,
+                                        scene.initial_velocity.value_or(Vec3<double>::Zero()),
+                                        scene.initial_angular_velocity.value_or(Vec3<double>::Zero()));
+}
+
+}  // namespace
+
+RunInput match_input(const Scene& scene, MeshData mesh) {
+  Problems problems(scene.file.string());
+  RunInput input;
+  input.mesh = std::move(mesh);
+  match(scene, input, problems);
+  problems.stop_if_any();
+  return input;
+}
+
 RunInput read_input(const Scene& scene) {
   Problems problems(scene.file.string());
   RunInput input;
@@ -88,18 +136,7 @@ RunInput read_input(const Scene& scene) {
   take_notes(scene.mesh, input.mesh.notes);
   take_order(scene, input);
 
-  for (std::size_t i = 0; i < scene.pins.size(); ++i) {
-    const PinBox& pin = scene.pins[i];
-    input.pins.push_back({vertices_in(input.mesh, pin), pin.path});
-    if (input.pins.back().vertices.empty())
-      problems.add(fmt::format("pins[{}].box", i), "no vertex lies in it (rest positions, m)");
-  }
-  for (const Vec3<double>& point : scene.probes) input.probes.push_back(nearest_position(input.mesh.positions, point));
-  const Index vertices = input.mesh.vertex_count();
-  if (scene.initial_positions)
-    input.positions = problems.take("initial.positions", read_vectors(*scene.initial_positions, vertices));
-  if (scene.initial_velocities)
-    input.velocities = problems.take("initial.velocities", read_vectors(*scene.initial_velocities, vertices));
+  match(scene, input, problems);
   problems.stop_if_any();
   return input;
 }

@@ -27,11 +27,16 @@ struct RunInput {
   std::vector<PinnedVertices> pins;
   std::vector<Index> probes;  ///< vertices
   std::optional<Field<double>> positions, velocities;
+  std::optional<Field<double>> forces;  ///< N
   std::optional<SurfaceMesh> surface;
   std::vector<std::string> notes;  ///< what was changed or left out while reading
 };
 
-/// Throws a Failure that lists all that is wrong with the files, and pins that hold no vertex.
+/// Throws a Failure that lists all that is wrong with the files, and boxes that hold no vertex.
 [[nodiscard]] RunInput read_input(const Scene& scene);
+
+/// The scene on another mesh than its own, which has the order that it shall run with. Files of the scene that have one
+/// line a vertex must fit it. Throws as read_input.
+[[nodiscard]] RunInput match_input(const Scene& scene, MeshData mesh);
 
 }  // namespace corotet::program

@@ -8,6 +8,7 @@
 #include <limits>
 #include <string>
 #include <system_error>
+#include <tuple>
 #include <utility>
 
 #include "json_file.hpp"
@@ -48,25 +49,43 @@ std::vector<PathPoint> read_pin_path(ObjectReader& in) {
   return path;
 }
 
-void read_pin(const Json& value, const std::string& path, Problems& problems, std::vector<PinBox>& pins) {
-  ObjectReader in(value, path, problems);
+/// The two corners under "box"; nothing, after noting a problem, if they are not there.
+std::optional<std::pair<Vec3<double>, Vec3<double>>> read_box(ObjectReader& in, const Json& value) {
   std::vector<Vec3<double>> corners;
   in.list("box", [&](const Json& corner, const std::string& where) {
-    if (const auto numbers = read_numbers(corner, 3, where, problems))
+    if (const auto numbers = read_numbers(corner, 3, where, in.problems()))
       corners.emplace_back(Eigen::Map<const Vec3<double>>(numbers->data()));
   });
-  PinBox pin;
-  pin.path = read_pin_path(in);
   if (corners.size() == 2) {
-    pin.least = corners[0];
-    pin.most = corners[1];
-    if ((pin.least.array() > pin.most.array()).any())
-      problems.add(in.path_of("box"), "its first corner must not lie above its second along any axis");
-    pins.push_back(std::move(pin));
-  } else if (!value.is_object() || !value.contains("box")) {
-    problems.add(in.path_of("box"), "is missing: [[x, y, z], [x, y, z]], the least and the greatest corner");
-  } else if (value["box"].is_array() && value["box"].size() != 2) {
-    problems.add(in.path_of("box"), "must be two corners: [[x, y, z], [x, y, z]]");
+    if ((corners[0].array() > corners[1].array()).any())
+      in.problems().add(in.path_of("box"), "its first corner must not lie above its second along any axis");
+    return std::pair(corners[0], corners[1]);
+  }
+  if (!value.is_object() || !value.contains("box"))
+    in.problems().add(in.path_of("box"), "is missing: [[x, y, z], [x, y, z]], the least and the greatest corner");
+  else if (value["box"].is_array() && value["box"].size() != 2)
+    in.problems().add(in.path_of("box"), "must be two corners: [[x, y, z], [x, y, z]]");
+  return std::nullopt;
+}
+
+void read_pin(const Json& value, const std::string& path, Problems& problems, std::vector<PinBox>& pins) {
+  ObjectReader in(value, path, problems);
+  const auto box = read_box(in, value);
+  std::vector<PathPoint> led = read_pin_path(in);
+  if (box) pins.push_back({box->first, box->second, std::move(led)});
+  in.refuse_others();
+}
+
+void read_force(const Json& value, const std::string& path, Problems& problems, std::vector<ForceBox>& forces) {
+  ObjectReader in(value, path, problems);
+  ForceBox force;
+  if (value.is_object() && !in.has("total") && !in.has("torque"))
+    problems.add(path, "needs \"total\": [x, y, z] (N) or \"torque\": [x, y, z] (N m)");
+  in.vector("total", force.total);
+  in.vector("torque", force.torque);
+  if (const auto box = read_box(in, value)) {
+    std::tie(force.least, force.most) = *box;
+    forces.push_back(force);
   }
   in.refuse_others();
 }
@@ -128,6 +147,12 @@ void check_float_range(const Scene& scene, Problems& problems) {
   check("damping.mass", scene.damping.mass);
   check("damping.stiffness", scene.damping.stiffness);
   check_vector("gravity", scene.gravity);
+  if (scene.initial_velocity) check_vector("initial.velocity", *scene.initial_velocity);
+  if (scene.initial_angular_velocity) check_vector("initial.angular_velocity", *scene.initial_angular_velocity);
+  for (std::size_t i = 0; i < scene.forces.size(); ++i) {
+    check_vector(fmt::format("forces[{}].total", i), scene.forces[i].total);
+    check_vector(fmt::format("forces[{}].torque", i), scene.forces[i].torque);
+  }
   for (std::size_t i = 0; i < scene.pins.size(); ++i)  // boxes are compared in double
     for (std::size_t k = 0; k < scene.pins[i].path.size(); ++k)
       check_vector(fmt::format("pins[{}].path[{}]", i, k), scene.pins[i].path[k].displacement);
@@ -158,6 +183,8 @@ Scene read_scene(const fs::path& path) {
     damping.number("stiffness", scene.damping.stiffness, Range::from(0));
   });
   in.list("pins", [&](const Json& pin, const std::string& where) { read_pin(pin, where, problems, scene.pins); });
+  in.list("forces",
+          [&](const Json& force, const std::string& where) { read_force(force, where, problems, scene.forces); });
   in.vector("gravity", scene.gravity);
   in.choice("mass", scene.mass, {{"lumped", MassModel::lumped}, {"consistent", MassModel::consistent}});
   in.choice("rotation", scene.rotation,
@@ -170,6 +197,14 @@ Scene read_scene(const fs::path& path) {
   in.object("initial", [&](ObjectReader& initial) {
     scene.initial_positions = read_path(initial, "positions", folder);
     scene.initial_velocities = read_path(initial, "velocities", folder);
+    const auto read_motion = [&](const char* key, std::optional<Vec3<double>>& motion) {
+      if (!initial.has(key)) return;
+      initial.vector(key, motion.emplace(Vec3<double>::Zero()));
+      if (initial.has("velocities"))
+        problems.add(initial.path_of(key), "velocities come from a file already: initial.velocities");
+    };
+    read_motion("velocity", scene.initial_velocity);
+    read_motion("angular_velocity", scene.initial_angular_velocity);
   });
   scene.surface = read_path(in, "surface", folder);
   in.list("probes",

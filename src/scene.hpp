@@ -27,6 +27,13 @@ struct PinBox {
   std::vector<PathPoint> path;  ///< times ascending; empty: held
 };
 
+/// Forces on the vertices whose rest position lies in a box, constant in time and in space: they do not turn along.
+struct ForceBox {
+  Vec3<double> least, most;                    ///< m
+  Vec3<double> total = Vec3<double>::Zero();   ///< N, shared by the volume around each vertex
+  Vec3<double> torque = Vec3<double>::Zero();  ///< N m, as forces across to the axis through their centre
+};
+
 struct Scene {
   std::filesystem::path file;  ///< where it was read from
 
@@ -36,6 +43,7 @@ struct Scene {
   Material material{5e5, 0.3, 1000};
   RayleighDamping damping;
   std::vector<PinBox> pins;
+  std::vector<ForceBox> forces;
   Vec3<double> gravity{0, 0, -9.81};  ///< m/s^2
   MassModel mass = MassModel::lumped;
   RotationKind rotation = RotationKind::polar;
@@ -43,6 +51,8 @@ struct Scene {
   double dt = 1.0 / 60;  ///< s
   SolverOptions solver;
   std::optional<std::filesystem::path> initial_positions, initial_velocities;
+  std::optional<Vec3<double>> initial_velocity;          ///< of all vertices, m/s
+  std::optional<Vec3<double>> initial_angular_velocity;  ///< about the centre of mass, rad/s
   std::optional<std::filesystem::path> surface;
   std::vector<Vec3<double>> probes;  ///< each names the vertex nearest to it at rest
   int steps = 60;

@@ -43,7 +43,7 @@ struct BindingFacts {
 /// A surface as it is now, in world coordinates.
 struct SurfaceState {
   Field<double> positions;  ///< m
-  Field<double> normals;    ///< unit
+  Field<double> normals;    ///< unit; empty if only points were bound
 };
 
 /// All positions are world positions in m, displacements are from rest.
@@ -60,6 +60,9 @@ class Simulation {
   virtual Status set_positions(const Field<double>& positions) = 0;
   virtual Status set_velocities(const Field<double>& velocities) = 0;
 
+  /// Forces besides gravity from now on, N, one a vertex. One that is infinite in this precision refuses the step.
+  virtual void set_forces(const Field<double>& forces) = 0;
+
   /// Holds a vertex where it is now.
   virtual void pin(Index vertex) = 0;
   /// Where a pinned vertex shall be after the next step, relative to where it was pinned.
@@ -72,12 +75,18 @@ class Simulation {
   [[nodiscard]] virtual Vec3<double> displacement(Index vertex) const = 0;
   [[nodiscard]] virtual Vec3<double> velocity(Index vertex) const = 0;
 
-  /// Binds a surface to the rest shape; it moves along from then on.
+  /// Binds a surface to the rest shape; it moves along from then on. Without triangles and normals: only points.
   virtual Result<BindingFacts> bind(const SurfaceMesh& surface, ThreadPool& pool) = 0;
   [[nodiscard]] virtual SurfaceState surface() = 0;
 
   /// Lumped mass, or row sum of the consistent one, kg.
   [[nodiscard]] virtual double vertex_mass(Index vertex) const = 0;
+
+  /// Elastic energy of the present state, J.
+  [[nodiscard]] virtual double elastic_energy() const = 0;
+  /// e . K' e with the warped stiffness K' of the present state, J: twice the energy that a small change of the
+  /// displacements by `change` (m, one a vertex) would take if it stretched a body at rest.
+  [[nodiscard]] virtual double stiffness_product(const Field<double>& change) const = 0;
 
   /// Median time of one product of the step's matrix with a vector, in float, by plain_product: the yardstick for a
   /// step on this mesh and machine, us.

@@ -65,6 +65,10 @@ class TypedSimulation final : public Simulation {
     return body_.set_velocities(rounded);
   }
 
+  void set_forces(const Field<double>& forces) override {
+    for (Index v = 0; v < size_of(forces); ++v) body_.external_forces()[at(v)] = forces[at(v)].template cast<Scalar>();
+  }
+
   void pin(Index vertex) override {
     const Vec3<Scalar>& here = body_.displacements()[at(vertex)];
     body_.pins().pin(vertex, here);
@@ -98,19 +102,33 @@ class TypedSimulation final : public Simulation {
 
   [[nodiscard]] SurfaceState surface() override {
     const std::size_t count = at(surface_->vertex_count());
-    Field<Scalar> positions(count), normals(count);
-    surface_->positions(body_.displacements(), positions);
-    surface_->normals(body_.displacements(), normals);
-    SurfaceState state{Field<double>(count), Field<double>(count)};
-    for (std::size_t v = 0; v < count; ++v) {
-      state.positions[v] = positions[v].template cast<double>() + body_.mesh().origin();
-      state.normals[v] = normals[v].template cast<double>();
-    }
+    Field<Scalar> vectors(count);
+    SurfaceState state;
+    state.positions.reserve(count);
+    surface_->positions(body_.displacements(), vectors);
+    for (const Vec3<Scalar>& x : vectors)
+      state.positions.emplace_back(x.template cast<double>() + body_.mesh().origin());
+    if (!surface_->has_normals()) return state;
+    state.normals.reserve(count);
+    surface_->normals(body_.displacements(), vectors);
+    for (const Vec3<Scalar>& n : vectors) state.normals.emplace_back(n.template cast<double>());
     return state;
   }
 
   [[nodiscard]] double vertex_mass(Index vertex) const override {
     return static_cast<double>(body_.mass().row_sum(vertex));
+  }
+
+  [[nodiscard]] double elastic_energy() const override { return body_.law().energy(body_.displacements()); }
+
+  [[nodiscard]] double stiffness_product(const Field<double>& change) const override {
+    const BlockMatrix<Scalar> stiffness = present_matrix(0, 1);
+    const BlockPattern& p = stiffness.pattern();
+    double sum = 0;
+    for (Index i = 0; i < stiffness.rows(); ++i)
+      for (Index k = p.row_start[at(i)]; k < p.row_start[at(i) + 1]; ++k)
+        sum += change[at(i)].dot(stiffness.block(k).template cast<double>() * change[at(p.column[at(k)])]);
+    return sum;
   }
 
   [[nodiscard]] double measure_spmv_us() const override {
@@ -151,13 +169,19 @@ class TypedSimulation final : public Simulation {
     return body_.mesh().origin() + body_.mesh().position(vertex).template cast<double>();
   }
 
-  /// M + h^2 K' of the present state.
-  [[nodiscard]] BlockMatrix<float> step_matrix() const {
+  /// mass_factor M + stiffness_factor K' of the present state.
+  [[nodiscard]] BlockMatrix<Scalar> present_matrix(Scalar mass_factor, Scalar stiffness_factor) const {
     SerialExecutor serial;
     typename Body::Law::Evaluation state(body_.law());
     body_.law().evaluate(body_.displacements(), state, serial);
     BlockMatrix<Scalar> matrix(body_.pattern());
-    assemble(body_.law(), state, body_.mass(), Scalar(1), dt_ * dt_, matrix, serial);
+    assemble(body_.law(), state, body_.mass(), mass_factor, stiffness_factor, matrix, serial);
+    return matrix;
+  }
+
+  /// M + h^2 K' of the present state.
+  [[nodiscard]] BlockMatrix<float> step_matrix() const {
+    const BlockMatrix<Scalar> matrix = present_matrix(Scalar(1), dt_ * dt_);
     if constexpr (std::is_same_v<Scalar, float>) {
       return matrix;
     } else {

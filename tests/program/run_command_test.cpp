@@ -155,6 +155,34 @@ TEST_F(RunCommand, InitialStateIsTakenAndGravityPulls) {
   EXPECT_NEAR(rows[10].z, -10 * 0.01 * 0.01 * 10 * 11 / 2, 1e-9);
 }
 
+// A free stiff block, pushed and turned: Newton's laws for it as a whole. Backward Euler from rest goes F/m h^2 n (n +
+// 1) / 2 far, and turns by T/I of the same; I = m a^2 / 6 of a cube.
+TEST_F(RunCommand, ForcesAndTorquesMoveAFreeBlock) {
+  must("mesh block --cells 4 4 4 --corner -0.5 -0.5 -0.5 -o block.msh");
+  for (const int order : {1, 2}) {
+    run(R"({"mesh": "block.msh", "order": )" + std::to_string(order) +
+        R"(, "scalar": "double", "mass": "consistent", "gravity": [0,0,0], "steps": 10, "material": {"young": 1e9, "density": 1000},
+      "integrator": {"dt": 0.01}, "solver": {"tolerance": 1e-10}, "forces": [{"box": [[-1,-1,-1],[1,1,1]],
+      "total": [1000, 0, 0], "torque": [0, 0, 500]}], "probes": [{"nearest": [0,0,0]}, {"nearest": [0.5,0,0]}]})");
+    const auto rows = read_probes("out/probes.csv");
+    ASSERT_EQ(rows.size(), 22U);
+    const double far = 0.01 * 0.01 * 10 * 11 / 2;
+    EXPECT_NEAR(rows[20].x, 1000 / 1000. * far, 1e-6) << order;
+    EXPECT_NEAR(rows[20].y, 0, 1e-6) << order;
+    EXPECT_NEAR((rows[21].y - rows[20].y) / 0.5, 500 / (1000 / 6.) * far, 1e-5) << order;
+  }
+}
+
+TEST_F(RunCommand, InitialMotionIsThatOfARigidBody) {
+  must("mesh block --cells 1 1 1 --corner 4.5 -0.5 -0.5 -o block.msh");
+  run(R"({"mesh": "block.msh", "gravity": [0,0,0], "steps": 1, "integrator": {"dt": 0.001},
+    "initial": {"velocity": [1, 0, 0], "angular_velocity": [0, 0, 2]}, "probes": [{"nearest": [5.5, 0.5, 0.5]}]})");
+  const auto rows = read_probes("out/probes.csv");
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_NEAR((rows[1].x - rows[0].x) / 0.001, 1 - 2 * 0.5, 2e-2);
+  EXPECT_NEAR((rows[1].y - rows[0].y) / 0.001, 2 * 0.5, 2e-2);
+}
+
 TEST_F(RunCommand, PinsFollowTheirPath) {
   must("mesh beam --cells 4 1 1 -o beam.msh");
   run(R"({"mesh": "beam.msh", "gravity": [0,0,0], "steps": 4, "integrator": {"dt": 0.25}, "probes": [{"nearest": [0,0,0]}],
