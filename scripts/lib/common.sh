@@ -31,6 +31,7 @@ test libsuitesparse-dev suitesparse-devel       suitesparse     suite-sparse
 test python3            python3                 python          python
 test gmsh               gmsh                    gmsh            gmsh
 test tetgen             tetgen                  -               -
+test calculix-ccx       -                       -               -
 test clang-16           clang                   clang           llvm
 test libclang-rt-16-dev compiler-rt             compiler-rt     -
 test clang-tidy-16      clang-tools-extra       -               -
