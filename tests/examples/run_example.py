@@ -3,6 +3,7 @@
 The expected numbers come from elsewhere: beam theory, a converged solution of the same 3D beam by another program, and
 peers' results on the same beam.
 """
+import math
 import re
 import subprocess
 import sys
@@ -30,6 +31,11 @@ def table(text):
     """Rows of the tables in `text`: first cell -> the other cells."""
     rows = (re.findall(r"\|([^|]*)(?=\|)", line) for line in text.splitlines() if line.startswith("|"))
     return {cells[0].strip(): [c.strip() for c in cells[1:]] for cells in map(list, rows)}
+
+
+def tables(text):
+    """The same, a dictionary for each table."""
+    return [rows for rows in map(table, text.split("\n\n")) if rows]
 
 
 def hello(program, _):
@@ -83,6 +89,55 @@ def speed_against_error(program, _):
     error, algebra = (float(rows["Tet10, 10x1x1 cells"][i].rstrip("% ")) for i in (5, 6))
     expect(abs(error) < 2, "a tip error below 2 %")
     expect(0 <= algebra < 0.5, "an algebraic error below 0.5 % of the length")
+
+
+def spring_beam(program, _):
+    text = run(program, "quick")
+    bent = tables(text)[0]
+    one_k, gelder, linear = ([float(bent[f"{n}0x{n}x{n}, alternating"][i]) for n in (1, 2, 4)] for i in range(3))
+    near(one_k[1], 1, 0.001, "springs where they were calibrated")
+    near(gelder[1], 1, 0.001, "springs where they were calibrated")
+    # One k: half the spacing, twice the stiffness, but for the locking of bent tetrahedra.
+    expect(one_k[2] < 0.9 * one_k[1], "springs of one k to stiffen as the mesh is refined")
+    expect(gelder[2] > 1.15 * gelder[1], "springs scaled by volume to leave the deflection they were calibrated to")
+    expect(1 - linear[2] < 0.5 * (1 - linear[1]) < 0.3 * (1 - linear[0]), "linear elements to converge")
+    near(float(bent["20x2x2, alternating"][3]), 1, 0.02, "quadratic elements")
+
+    pulled = [[cell.strip() for cell in line.strip("| ").split("|")]
+              for line in text.splitlines() if re.match(r"\| (one k|k = [^,]*|Tet4),", line)]
+    expect(len(pulled) == 14, "each model on each mesh")
+    for name, asked, young, y, z, shear in pulled:
+        if name.startswith("Tet4"):  # a uniform strain is exact on any mesh
+            near(float(young), 1, 0.001, f"{name}: E")
+            near(float(y), float(asked), 0.002, f"{name}: poisson y")
+            near(float(z), float(asked), 0.002, f"{name}: poisson z")
+            expect(float(shear) < 0.001, f"{name}: no shear")
+        else:
+            expect(abs(float(young) - 1) > 0.1, f"{name}: an E that nobody asked for")
+            expect(float(y) < 0.25, f"{name}: a poisson ratio that nobody asked for")
+            expect(("Kuhn" in name) == (float(shear) > 0.5), f"{name}: shear in a pull only where the mesh leans")
+
+
+def rotation_laws(program, _):
+    turned, torque, loop, free = tables(run(program))
+    numbers = lambda rows: {float(k): list(map(float, cells)) for k, cells in rows.items() if re.match(r"[\d.]+$", k)}
+    for degrees, (energy, _, _, force_gs, _, force) in numbers(turned).items():
+        # sym(R) - I = (cos - 1)(I - n n^T): W = V (2 mu + 2 lambda) (1 - cos)^2.
+        near(energy, 4 * (1 - math.cos(math.radians(degrees))) ** 2, 0.01, f"the energy of linear elasticity at {degrees}")
+        expect(force < 1e-14 and force_gs < 1e-14, "no force on a body that is only turned")
+    order = lambda rows, i, a, b: math.log(rows[b][i] / rows[a][i]) / math.log(b / a)
+    torque, loop = numbers(torque), numbers(loop)
+    for i, name in enumerate(("identity", "gram_schmidt")):
+        expect(1.7 < order(torque, i, 0.05, 0.2) < 2.2, f"{name}: a ghost torque of second order in the strain")
+    expect(max(row[2] for row in torque.values()) < 1e-14, "polar: no torque")
+    expect(3.8 < order(loop, 1, 0.05, 0.2) < 4.1, "gram_schmidt: work of fourth order in the size of the loop")
+    expect(0.01 < loop[0.4][1] < 0.1, "gram_schmidt: work over a closed loop")
+    expect(max(row[i] for row in loop.values() for i in (0, 2)) < 1e-14, "identity and polar: no work over a closed loop")
+    spin = {name: float(cells[1]) for name, cells in free.items() if name in ("identity", "gram_schmidt", "polar")}
+    expect(spin["identity"] > 1 and spin["gram_schmidt"] > 10, "identity and gram_schmidt: a body that begins to spin")
+    expect(spin["polar"] < 1e-11, "polar: angular momentum at rounding")
+    expect(float(free["polar"][2].rstrip(" %")) < 2 and free["polar"][3] == "never", "polar: energy kept")
+    expect(free["gram_schmidt"][3].startswith("after"), "gram_schmidt: energy out of nothing")
 
 
 def sag(program, linear_range):
