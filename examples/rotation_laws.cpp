@@ -3,7 +3,7 @@
 // closed loop, exerts no torque on the body it belongs to, and keeps energy and angular momentum. Prints how far each
 // is from that. A cube of 1 m, lambda = mu = 1 Pa unless another unit is said; no solver, no damping.
 //
-//   rotation_laws [seconds that the free cubes ring, default 200]
+//   rotation_laws [seconds that the free cubes ring, default 200] [time step, default 0.005 s]
 #include <array>
 #include <cmath>
 #include <corotet/assembly/elasticity.hpp>
@@ -139,9 +139,8 @@ void loop_work(double a, int points = 256) {
 
 /// A free cube that is let go out of a strain: no force from outside, so it may not begin to spin, nor gain energy.
 template <RotationExtractor Rotation>
-void let_go(double seconds) {
-  constexpr double h = 0.005;          // s; the cube rings with periods of about 2 s
-  constexpr double inertia = 1.0 / 6;  // kg m^2, of the cube at rest
+void let_go(double seconds, double h) {
+  constexpr double inertia = 1.0 / 6;  // kg m^2, of the cube at rest; it rings with periods of about 2 s
   Cube<Rotation> cube(2);
   cube.deform(strained(0.2));
   const double before = cube.elastic_energy();
@@ -164,7 +163,8 @@ void let_go(double seconds) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const double seconds = argc > 1 ? std::atof(argv[1]) : 200;
+  const double seconds = argc > 1 ? std::atof(argv[1]) : 200, h = argc > 2 ? std::atof(argv[2]) : 0.005;
+  if (!(seconds >= 0 && h > 0)) return std::fprintf(stderr, "seconds >= 0 and a time step > 0 are needed\n"), 2;
 
   std::printf("Turned rigidly: elastic energy (J) and largest force on a vertex (N), both 0 for a solid\n\n");
   std::printf(
@@ -202,8 +202,8 @@ int main(int argc, char** argv) {
   std::printf(
       "| rotation | spin within 10 s, degrees/s | to the end | largest change of the energy | energy doubled |\n");
   std::printf("| --- | --- | --- | --- | --- |\n");
-  let_go<Identity>(seconds);
-  let_go<GramSchmidt>(seconds);
-  let_go<Polar>(seconds);
+  let_go<Identity>(seconds, h);
+  let_go<GramSchmidt>(seconds, h);
+  let_go<Polar>(seconds, h);
   return 0;
 }

@@ -46,7 +46,8 @@ def hello(program, _):
 
 
 def linear_vs_corotated(program, folder):
-    rows = table(run(program, folder))
+    by_rotation, by_load = tables(run(program, folder))
+    rows = by_rotation
     linear, gram_schmidt, polar = ([float(x) for x in rows[name]] for name in ("identity", "gram_schmidt", "polar"))
     expect(linear[0] > 1.2, "linear elasticity to blow up the volume by more than 20 %")
     near(linear[2], 1, 0.02, "the drop of linear elasticity, q L / 8 =")
@@ -54,6 +55,13 @@ def linear_vs_corotated(program, folder):
         near(row[0], 1, 0.05, f"the volume of {name}")
         near(row[2], 0.64665, 0.02, f"the drop of {name}")
     near(polar[1], 0.27661, 0.03, "the shortening of polar")
+    for load in ("1", "4", "8"):
+        drop, linear_error, volume, error, _ = (float(x.rstrip(" %")) for x in by_load[load])
+        # Linear elasticity drops by q L / 8 (and 1 % for shear) whatever the load.
+        near(1 + linear_error / 100, 1.01 * float(load) / 8 / drop, 0.02, f"q = {load}: the drop of linear elasticity")
+        growth = (volume - 1) / ((1 + linear_error / 100) * drop) ** 2
+        expect(1.0 < growth < 1.3, f"q = {load}: linear elasticity to grow with the square of its drop")
+        expect(abs(error) < 2, f"q = {load}: polar within 2 %")
     for name in ("identity", "gram_schmidt", "polar"):
         expect((Path(folder) / f"{name}.vtu").stat().st_size > 10000, f"{name}.vtu")
 
