@@ -1,10 +1,12 @@
 // A few threads that share numbered tasks: the program's Executor (corotet/core/executor.hpp).
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <concepts>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <thread>
@@ -17,15 +19,17 @@ namespace corotet::program {
 /// Tasks must not throw and must not call the pool; only one thread at a time may call it. A call allocates nothing.
 ///
 /// A step has hundreds of parallel loops of some tens of microseconds: less than it takes to wake a thread. So threads
-/// that run out of work look for more for a while before they sleep, and tasks are taken without a lock.
+/// that run out of work look for more for a while before they sleep, and tasks are taken without a lock. Each thread
+/// begins with its own share of the numbers, the same in every loop of as many tasks, and then helps the others: what
+/// it wrote in one loop is still in its core's cache in the next.
 class ThreadPool {
  public:
   /// `threads` >= 1, the calling thread included: 1 makes no threads and runs tasks in order. Throws std::system_error
   /// if the system does not give as many, std::bad_alloc if there is no memory for them.
-  explicit ThreadPool(int threads) : ThreadPool() {
+  explicit ThreadPool(int threads) : ThreadPool(at(std::max(threads, 1))) {
     // If a thread cannot be made, the destructor runs, because a delegated constructor has finished: it stops the
     // others.
-    for (int i = 1; i < threads; ++i) workers_.emplace_back([this] { work(); });
+    for (std::size_t i = 1; i < shares_.size(); ++i) workers_.emplace_back([this, i] { work(i); });
   }
 
   ThreadPool(const ThreadPool&) = delete;
@@ -47,29 +51,46 @@ class ThreadPool {
     using Callable = std::remove_reference_t<Task>;
     // A task that is const is called as const again: the cast only carries it through the untyped pointer.
     job_ = {const_cast<void*>(static_cast<const void*>(std::addressof(task))),
-            [](void* context, Index i) { (*static_cast<Callable*>(context))(i); }, count};
-    next_ = 0;
+            [](void* context, Index i) { (*static_cast<Callable*>(context))(i); }};
+    const auto threads = static_cast<Index>(shares_.size());
+    for (Index t = 0; t < threads; ++t) {
+      shares_[at(t)].next = first_of(t, count, threads);
+      shares_[at(t)].end = first_of(t + 1, count, threads);
+    }
     ++phase_;  // odd: open
     phase_.notify_all();
-    run_tasks();
+    run_tasks(0);
     ++phase_;  // even: closed; who is inside still runs a task, or is about to see that none is left
     while (inside_ != 0) std::this_thread::yield();
   }
 
  private:
-  ThreadPool() = default;
+  explicit ThreadPool(std::size_t threads) : shares_(threads) {}
 
   struct Job {
     void* context = nullptr;
     void (*call)(void*, Index) = nullptr;
-    Index count = 0;
   };
 
-  void run_tasks() {
-    for (Index i = next_++; i < job_.count; i = next_++) job_.call(job_.context, i);
+  /// The numbers that a thread begins with, in a cache line of its own.
+  struct alignas(64) Share {
+    std::atomic<Index> next{0};
+    Index end = 0;
+  };
+
+  [[nodiscard]] static Index first_of(Index thread, Index count, Index threads) {
+    return static_cast<Index>(std::int64_t{count} * thread / threads);
   }
 
-  void work() {
+  /// Own share first, then those of the next threads.
+  void run_tasks(std::size_t thread) {
+    for (std::size_t t = 0; t < shares_.size(); ++t) {
+      Share& share = shares_[(thread + t) % shares_.size()];
+      for (Index i = share.next++; i < share.end; i = share.next++) job_.call(job_.context, i);
+    }
+  }
+
+  void work(std::size_t thread) {
     std::uint32_t seen = 0;
     for (;;) {
       wait_for_change(seen);
@@ -77,7 +98,7 @@ class ThreadPool {
       // Inside first, then the question whether there is a job: it is not replaced while anybody is inside.
       ++inside_;
       seen = phase_;
-      if (seen % 2 == 1) run_tasks();
+      if (seen % 2 == 1) run_tasks(thread);
       --inside_;
     }
   }
@@ -93,10 +114,10 @@ class ThreadPool {
 
   // All accesses are sequentially consistent: the order "inside, then phase" against "phase, then inside" needs that.
   std::atomic<std::uint32_t> phase_{0};
-  std::atomic<Index> next_{0};
   std::atomic<int> inside_{0};
   std::atomic<bool> stopping_{false};
   Job job_;
+  std::vector<Share> shares_;  // of the calling thread first
   std::vector<std::thread> workers_;
 };
 

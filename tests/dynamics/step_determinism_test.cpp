@@ -1,4 +1,6 @@
-// A step allocates nothing, and gives the same bits twice and on any number of threads.
+// A step allocates nothing, and gives the same bits twice and on any number of threads. Built with optimisation for
+// this machine's processor (tests/CMakeLists.txt): a compiler that contracts a * b + c can make two different loops of
+// one.
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <corotet/dynamics/step_bodies.hpp>
 #include <gtest/gtest.h>
@@ -48,9 +50,11 @@ void start_threads(program::ThreadPool& pool, int threads) {
   });
 }
 
+// Each scalar and each element: all four pairs would compile for twice as long.
+using ScalarsAndElements = ::testing::Types<testing::Case<float, Tet4>, testing::Case<double, Tet10>>;
 template <class T>
 class StepDeterminism : public ::testing::Test {};
-TYPED_TEST_SUITE(StepDeterminism, testing::AllCases);
+TYPED_TEST_SUITE(StepDeterminism, ScalarsAndElements);
 
 TYPED_TEST(StepDeterminism, SameBitsTwiceAndOnAnyNumberOfThreads) {
   using Scalar = typename TypeParam::Scalar;

@@ -95,7 +95,7 @@ class BlockMatrix {
   }
 
   /// Rows that one task works on: some tens of microseconds.
-  static constexpr Index row_grain = 512;
+  static constexpr Index row_grain = 256;
 
   /// Makes row and column `row` zero off the diagonal; the equation of that vertex then stands alone.
   void isolate(Index row) {

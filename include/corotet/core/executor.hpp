@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <concepts>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/types.hpp>
 
 namespace corotet {
@@ -21,6 +22,18 @@ struct SerialExecutor {
   }
 };
 
+namespace detail {
+
+/// A call that is compiled once for every loop. Inlined, it would be compiled again for each way in which an executor
+/// runs its tasks, and a compiler that may contract a * b + c contracts differently where it sees different code: then
+/// the number of threads would change the last bits.
+template <class Body>
+COROTET_NEVER_INLINE void run_range(Body& body, Index begin, Index end) {
+  body(begin, end);
+}
+
+}  // namespace detail
+
 /// Splits [0, count) into ranges of `grain` and calls `body(begin, end)` for each. The ranges depend on `count` and
 /// `grain` alone, never on the number of threads, so that results are the same bits on any executor.
 template <Executor E, std::invocable<Index, Index> Body>
@@ -28,7 +41,7 @@ void for_ranges(E& executor, Index count, Index grain, Body&& body) {
   const Index ranges = (count + grain - 1) / grain;
   executor(ranges, [&](Index range) {
     const Index begin = range * grain;
-    body(begin, std::min<Index>(begin + grain, count));
+    detail::run_range(body, begin, std::min<Index>(begin + grain, count));
   });
 }
 

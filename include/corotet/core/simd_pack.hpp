@@ -3,6 +3,7 @@
 
 #include <array>
 #include <concepts>
+#include <corotet/core/compiler.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -11,18 +12,6 @@
 // The vector extension of GCC and Clang costs almost no compile time (the same expressions over Eigen arrays took
 // several times as long). Elsewhere a value stands alone, and the optimiser finds the vectors as well as it can. The
 // layout is the same everywhere.
-#if defined(__GNUC__)
-#define COROTET_ALWAYS_INLINE inline __attribute__((always_inline))
-#else
-#define COROTET_ALWAYS_INLINE inline
-#endif
-
-// Before a loop over a few registers: at -O2, GCC 12 keeps them in memory unless the loop is unrolled.
-#if defined(__GNUC__) && !defined(__clang__)
-#define COROTET_UNROLL _Pragma("GCC unroll 8")
-#else
-#define COROTET_UNROLL
-#endif
 
 namespace corotet::detail {
 

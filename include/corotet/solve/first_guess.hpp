@@ -55,10 +55,10 @@ class FirstGuess {
     return c.energy;
   }
 
-  /// Keeps a solution; the oldest is forgotten.
-  void remember(const PaddedField<Scalar>& x) {
+  /// Keeps a solution, and gives the oldest for it, which is forgotten: nothing is copied.
+  void remember(PaddedField<Scalar>& x) {
     for (std::size_t k = depth - 1; k > 0; --k) std::swap(last_[k], last_[k - 1]);
-    last_[0] = x;
+    std::swap(last_[0], x);
   }
 
  private:

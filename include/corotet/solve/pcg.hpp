@@ -85,8 +85,10 @@ class Pcg {
     }
     report.residual = energy > 0 ? std::sqrt(error2 / energy) : 0;
     if (report.status == SolveStatus::breakdown) return report;
+    for_ranges(executor, size_of(x), RangeSum::grain, [&](Index begin, Index end) {
+      for (Index v = begin; v < end; ++v) x[at(v)] = x_[at(v)].vector();
+    });
     guess_.remember(x_);
-    for (Index v = 0; v < size_of(x); ++v) x[at(v)] = x_[at(v)].vector();
     return report;
   }
 

@@ -48,7 +48,7 @@ class RangeSums {
   }
 
   /// Entries a task.
-  static constexpr Index grain = 512;
+  static constexpr Index grain = 256;
 
  private:
   Index count_ = 0;

@@ -17,6 +17,7 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <vector>
 
 namespace corotet {
@@ -39,13 +40,13 @@ class RigidAggregates {
     Index groups = 0;  ///< of parts; 0: none
   };
 
-  /// Parts of 27 vertices do best on small bodies, and the time of a step hardly depends on it; larger ones, of up to
-  /// 60, keep the coarse factor small; beyond that a level between is cheaper. (Measured on the beams of
-  /// docs/speed.md.)
+  /// Parts of 27 vertices do best on small bodies, and the time of a step hardly depends on it on one thread; larger
+  /// ones, of up to 60, keep the coarse solve short, which only one thread does; beyond that a level between is
+  /// cheaper. (Measured on the beams of docs/speed.md.)
   [[nodiscard]] static Sizes sizes_for(Index vertices) {
     constexpr Index least = 27, most = 60, most_coupled_parts = 1000;
     if (vertices > most * most_coupled_parts) return {vertices / least, std::min<Index>(vertices / 230, 2000)};
-    return {vertices / std::clamp<Index>(vertices / 600, least, most), 0};
+    return {vertices / std::clamp<Index>(vertices / 120, least, most), 0};
   }
 
   RigidAggregates() = default;
@@ -82,16 +83,20 @@ class RigidAggregates {
   double apply(const PaddedField<Scalar>& r, PaddedField<Scalar>& z, E& executor) {
     if (!usable_) return std::numeric_limits<double>::quiet_NaN();
     renewal_.count();
-    body_.for_parts(executor, [&](Index part) { part_sum_[at(part)] = smooth_and_gather(part, r, z); });
+    body_.for_parts(executor, [&](Index part) {
+      part_sum_[at(part)] = smooth_and_gather(part, r, z);
+      if (body_.coupled) motion_[at(part)] = in_axes_of(part);
+    });
     if (body_.coupled)
-      solve_parts();
+      factor_.solve(motion_.front().data(), motion_.front().data());
     else
-      solve_groups();
-    body_.for_parts(executor, [&](Index part) { scatter(part, z); });
-    double sum = 0;
-    for (Index part = 0; part < body_.parts.count(); ++part)
-      sum += part_sum_[at(part)] + static_cast<double>(load_[at(part)].dot(motion_[at(part)]));
-    return sum;
+      solve_groups(executor);
+    body_.for_parts(executor, [&](Index part) {
+      if (body_.coupled) motion_[at(part)] = world_motion(body_.part_frames, part, motion_[at(part)]);
+      part_sum_[at(part)] += static_cast<double>(load_[at(part)].dot(motion_[at(part)]));
+      scatter(part, z);
+    });
+    return std::accumulate(part_sum_.begin(), part_sum_.end(), 0.0);
   }
 
  private:
@@ -129,7 +134,7 @@ class RigidAggregates {
       return body_.offset[at(v)].vector() +
              (body_.part_frames.center[at(body_.parts.of[at(v)])] - body_.group_frames.center[at(body_.group_of(v))]);
     };
-    executor(body_.groups.count(), [&](Index g) {
+    for_ranges(executor, body_.groups.count(), 1, [&](Index g, Index) {
       for (Index k = p.row_start[at(g)]; k < p.row_start[at(g) + 1]; ++k) coarse_.block(k).setZero();
       for (const Index part : body_.parts_of(g))
         rigid_row(matrix, body_.vertices_of(part), group_if_free, group_offset,
@@ -213,37 +218,45 @@ class RigidAggregates {
     return m;
   }
 
-  void solve_parts() {
-    for (Index a = 0; a < body_.parts.count(); ++a)
-      motion_[at(a)] = body_.part_frames.to_part(a, load_[at(a)].template head<3>(), load_[at(a)].template tail<3>());
-    factor_.solve(motion_.front().data(), motion_.front().data());
-    for (Index a = 0; a < body_.parts.count(); ++a) motion_[at(a)] = world_motion(body_.part_frames, a, motion_[at(a)]);
+  /// The load on a part in its own axes.
+  [[nodiscard]] SixVector<Scalar> in_axes_of(Index part) const {
+    const SixVector<Scalar>& load = load_[at(part)];
+    return body_.part_frames.to_part(part, load.template head<3>(), load.template tail<3>());
   }
 
-  void solve_groups() {
+  /// Parts by their own blocks, and the rigid motions of groups on top.
+  template <Executor E>
+  void solve_groups(E& executor) {
+    const Index groups = body_.group_frames.parts();
     const auto arm = [&](Index part, Index group) -> Vec3<Scalar> {
       return body_.part_frames.center[at(part)] - body_.group_frames.center[at(group)];
     };
-    for (Index g = 0; g < body_.group_frames.parts(); ++g) {
-      Vec3<Scalar> force = Vec3<Scalar>::Zero(), torque = force;
-      for (const Index a : body_.parts_of(g)) {
-        const Vec3<Scalar> f = load_[at(a)].template head<3>(), t = load_[at(a)].template tail<3>();
-        force += f;
-        torque += t + arm(a, g).cross(f);
-        motion_[at(a)] = world_motion(body_.part_frames, a, part_inverse_[at(a)] * body_.part_frames.to_part(a, f, t));
+    for_ranges(executor, groups, group_grain, [&](Index begin, Index end) {
+      for (Index g = begin; g < end; ++g) {
+        Vec3<Scalar> force = Vec3<Scalar>::Zero(), torque = force;
+        for (const Index a : body_.parts_of(g)) {
+          const Vec3<Scalar> f = load_[at(a)].template head<3>(), t = load_[at(a)].template tail<3>();
+          force += f;
+          torque += t + arm(a, g).cross(f);
+          motion_[at(a)] = world_motion(body_.part_frames, a, part_inverse_[at(a)] * in_axes_of(a));
+        }
+        group_motion_[at(g)] = body_.group_frames.to_part(g, force, torque);
       }
-      group_motion_[at(g)] = body_.group_frames.to_part(g, force, torque);
-    }
+    });
     factor_.solve(group_motion_.front().data(), group_motion_.front().data());
-    for (Index g = 0; g < body_.group_frames.parts(); ++g) {
-      const SixVector<Scalar> m = world_motion(body_.group_frames, g, group_motion_[at(g)]);
-      const Vec3<Scalar> turn = m.template tail<3>();
-      for (const Index a : body_.parts_of(g)) {
-        motion_[at(a)].template head<3>() += m.template head<3>() + turn.cross(arm(a, g));
-        motion_[at(a)].template tail<3>() += turn;
+    for_ranges(executor, groups, group_grain, [&](Index begin, Index end) {
+      for (Index g = begin; g < end; ++g) {
+        const SixVector<Scalar> m = world_motion(body_.group_frames, g, group_motion_[at(g)]);
+        const Vec3<Scalar> turn = m.template tail<3>();
+        for (const Index a : body_.parts_of(g)) {
+          motion_[at(a)].template head<3>() += m.template head<3>() + turn.cross(arm(a, g));
+          motion_[at(a)].template tail<3>() += turn;
+        }
       }
-    }
+    });
   }
+
+  static constexpr Index group_grain = 64;  // groups a task: some hundred parts
 
   RigidParts<Scalar> body_;
   BlockJacobi<Scalar> smoother_;

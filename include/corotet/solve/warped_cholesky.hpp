@@ -1,8 +1,10 @@
 // Factor the body once, then turn the factor with it: the preconditioner for small bodies, stiff ones most of all.
 #pragma once
 
+#include <array>
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/block_cholesky.hpp>
 #include <corotet/solve/block_factor.hpp>
@@ -10,6 +12,7 @@
 #include <corotet/solve/renewal.hpp>
 #include <corotet/solve/rotation_of_points.hpp>
 #include <corotet/solve/solver.hpp>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -31,7 +34,8 @@ class WarpedCholesky {
   /// Ordering and pattern of the factor; `allocate` must follow before use.
   void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest) {
     pattern_ = pattern;
-    rest_ = rest;
+    rest_.resize(rest.size());
+    for (std::size_t v = 0; v < rest.size(); ++v) rest_[v].set(rest[v]);
     cholesky_.analyze(*pattern);
   }
   [[nodiscard]] bool fits() const { return cholesky_.fits(); }
@@ -42,6 +46,7 @@ class WarpedCholesky {
     cholesky_.allocate();
     unturned_ = BlockMatrix<double>(pattern_);
     factor_.assign(cholesky_.factor());
+    place_ = rest_;
     rotation_.assign(rest_.size(), Mat3<Scalar>::Identity());
     turned_back_.assign(rest_.size(), Vec3<Scalar>::Zero());
     sum_ = RangeSum(size_of(rest_));
@@ -71,38 +76,62 @@ class WarpedCholesky {
     if (!usable_) return std::numeric_limits<double>::quiet_NaN();
     renewal_.count();
     for_ranges(executor, size_of(r), RangeSum::grain, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i)
-        turned_back_[at(i)].noalias() = rotation_[at(i)].transpose() * r[at(i)].vector();
+      for (Index i = begin; i < end; ++i) {
+        const Columns column = columns(rotation_[at(i)]);
+        product(transposed(column[0], column[1], column[2]), r[at(i)])
+            .template store_part<3>(turned_back_[at(i)].data());
+      }
     });
     Scalar* const numbers = turned_back_.front().data();
     factor_.solve(numbers, numbers);
     return sum_(executor, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i) z[at(i)].set((rotation_[at(i)] * turned_back_[at(i)]).eval());
+      for (Index i = begin; i < end; ++i)
+        z[at(i)].set(product(columns(rotation_[at(i)]), turned_back_[at(i)]).first_three());
       return range_dot(r, z, begin, end);
     });
   }
 
  private:
+  using Q = Quad<Scalar>;
+  using Columns = std::array<Q, 3>;
+
+  /// Of a matrix, each with a number without meaning behind it.
+  [[nodiscard]] COROTET_ALWAYS_INLINE static Columns columns(const Mat3<Scalar>& m) {
+    return {Q::load(m.data()), Q::load(m.data() + 3), Q::template load_part<3>(m.data() + 6)};
+  }
+  template <class Vector>
+  [[nodiscard]] COROTET_ALWAYS_INLINE static Q product(const Columns& column, const Vector& v) {
+    return column[0] * Q(v[0]) + column[1] * Q(v[1]) + column[2] * Q(v[2]);
+  }
+
   /// The rotation of each vertex: that of the edges to its neighbours.
   template <Executor E>
   void turn(const Field<Scalar>& displacement, E& executor) {
     const BlockPattern& p = *pattern_;
     for_ranges(executor, p.rows(), RangeSum::grain, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i) place_[at(i)].set(rest_[at(i)].vector() + displacement[at(i)]);
+    });
+    for_ranges(executor, p.rows(), RangeSum::grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) {
-        Mat3<Scalar> moment = Mat3<Scalar>::Zero();
+        const Q rest = rest_[at(i)].quad(), place = place_[at(i)].quad();
+        Columns moment{Q(Scalar(0)), Q(Scalar(0)), Q(Scalar(0))};
         for (Index k = p.row_start[at(i)]; k < p.row_start[at(i) + 1]; ++k) {
           const Index j = p.column[at(k)];
-          const Vec3<Scalar> edge = rest_[at(j)] - rest_[at(i)];
-          moment += (edge + (displacement[at(j)] - displacement[at(i)])) * edge.transpose();
+          const Q now = place_[at(j)].quad() - place;
+          PaddedVector<Scalar> edge;
+          edge.set(rest_[at(j)].quad() - rest);
+          COROTET_UNROLL
+          for (std::size_t c = 0; c < 3; ++c) moment[c] += now * Q(edge[c]);
         }
-        rotation_[at(i)] = moment;
+        for (std::size_t c = 0; c < 3; ++c) moment[c].template store_part<3>(rotation_[at(i)].data() + 3 * c);
       }
     });
     rotations_of_moments(rotation_, executor);
   }
 
   std::shared_ptr<const BlockPattern> pattern_;
-  Field<Scalar> rest_, turned_back_;
+  PaddedField<Scalar> rest_, place_;  // m
+  Field<Scalar> turned_back_;
   std::vector<Mat3<Scalar>> rotation_;
   BlockCholesky<double> cholesky_;
   BlockMatrix<double> unturned_;
