@@ -4,9 +4,12 @@
 #include <corotet/assembly/assemble.hpp>
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/assembly/block_pattern.hpp>
+#include <corotet/assembly/dilatation_patches.hpp>
 #include <corotet/assembly/elastic_evaluation.hpp>
 #include <corotet/assembly/elasticity.hpp>
 #include <corotet/assembly/mass.hpp>
+#include <corotet/assembly/mean_dilatation.hpp>
+#include <corotet/assembly/strain.hpp>
 #include <corotet/core/assert.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/lanes.hpp>

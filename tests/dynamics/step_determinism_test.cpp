@@ -21,12 +21,12 @@ namespace {
 using testing::must;
 
 template <class Scalar, class Element>
-SoftBody<Scalar, Element> swinging_beam() {
+SoftBody<Scalar, Element> swinging_beam(Dilatation dilatation) {
   // Long enough for several tasks in every parallel loop.
   const std::array<Index, 3> cells =
       Element::order == 1 ? std::array<Index, 3>{45, 6, 6} : std::array<Index, 3>{26, 3, 3};
   return testing::cantilever<Scalar, Element>({.size = {1, 0.2, 0.2}, .cells = cells}, {.young = 5e5}, 9.81,
-                                              {.damping = {.mass = 0.1, .stiffness = 0.001}});
+                                              {.damping = {.mass = 0.1, .stiffness = 0.001}, .dilatation = dilatation});
 }
 
 template <class Body>
@@ -58,10 +58,8 @@ TYPED_TEST_SUITE(StepDeterminism, ScalarsAndElements);
 
 TYPED_TEST(StepDeterminism, SameBitsTwiceAndOnAnyNumberOfThreads) {
   using Scalar = typename TypeParam::Scalar;
-  const auto start = swinging_beam<Scalar, typename TypeParam::Element>();
-  ASSERT_GT(start.vertex_count(), 2 * RangeSum::grain - 1) << "too small to be split among threads";
-  for (const PreconditionerKind kind :
-       {PreconditionerKind::block_jacobi, PreconditionerKind::rigid_aggregates, PreconditionerKind::warped_cholesky}) {
+  const auto expect_same_bits = [](const auto& start, PreconditionerKind kind) {
+    ASSERT_GT(start.vertex_count(), 2 * RangeSum::grain - 1) << "too small to be split among threads";
     const auto run = [&](int threads) {
       auto body = start;
       program::ThreadPool pool(threads);
@@ -72,7 +70,13 @@ TYPED_TEST(StepDeterminism, SameBitsTwiceAndOnAnyNumberOfThreads) {
     const auto reference = run(1);
     for (const int threads : {1, 2, 4})
       EXPECT_TRUE(same_bits(reference, run(threads))) << threads << " threads, " << name_of(kind);
-  }
+  };
+  const auto start = swinging_beam<Scalar, typename TypeParam::Element>(Dilatation::per_element);
+  for (const PreconditionerKind kind :
+       {PreconditionerKind::block_jacobi, PreconditionerKind::rigid_aggregates, PreconditionerKind::warped_cholesky})
+    expect_same_bits(start, kind);
+  expect_same_bits(swinging_beam<Scalar, typename TypeParam::Element>(Dilatation::mean),
+                   PreconditionerKind::rigid_aggregates);
 }
 
 /// Many bodies by one call: what each would have done alone.
@@ -107,15 +111,15 @@ TYPED_TEST(StepDeterminism, BodiesSteppedTogetherMoveAsTheyWouldAlone) {
 TYPED_TEST(StepDeterminism, AStepAllocatesNothing) {
   using Scalar = typename TypeParam::Scalar;
   using Element = typename TypeParam::Element;
-  auto body = must(
-      SoftBody<Scalar, Element>::create(testing::block<Scalar, Element>({.size = {1, 0.2, 0.2}, .cells = {8, 2, 2}}),
-                                        Material{.young = 5e5}, {.mass = MassModel::consistent, .damping = {}}));
-  body.pin_where([](const Vec3<Scalar>& x) { return x.x() == 0; });
-  body.set_gravity({0, 0, Scalar(-9.81)});
-  const Index led = body.pins().vertices().front();
   program::ThreadPool pool(2);
   start_threads(pool, 2);
-  const auto expect_none = [&](const SolverOptions& options) {
+  const auto expect_none = [&](Dilatation dilatation, const SolverOptions& options) {
+    auto body = must(SoftBody<Scalar, Element>::create(
+        testing::block<Scalar, Element>({.size = {1, 0.2, 0.2}, .cells = {8, 2, 2}}), Material{.young = 5e5},
+        {.mass = MassModel::consistent, .damping = {}, .dilatation = dilatation}));
+    body.pin_where([](const Vec3<Scalar>& x) { return x.x() == 0; });
+    body.set_gravity({0, 0, Scalar(-9.81)});
+    const Index led = body.pins().vertices().front();
     ImplicitEuler euler(body, options);
     const long before = testing::allocation_count;
     for (int step = 1; step < 5; ++step) {
@@ -126,11 +130,12 @@ TYPED_TEST(StepDeterminism, AStepAllocatesNothing) {
     }
     EXPECT_EQ(testing::allocation_count - before, 0) << name_of(options.preconditioner);
   };
-  expect_none({.method = SolverMethod::cholesky});
+  expect_none(Dilatation::per_element, {.method = SolverMethod::cholesky});
   for (const PreconditionerKind kind :
        {PreconditionerKind::automatic, PreconditionerKind::jacobi, PreconditionerKind::block_jacobi,
         PreconditionerKind::rigid_aggregates, PreconditionerKind::warped_cholesky})
-    expect_none({.method = SolverMethod::pcg, .preconditioner = kind});
+    expect_none(Dilatation::per_element, {.method = SolverMethod::pcg, .preconditioner = kind});
+  expect_none(Dilatation::mean, {});
 }
 
 TEST(AllocationCount, SeesAllocations) {

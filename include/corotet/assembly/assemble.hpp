@@ -28,8 +28,27 @@ void add_mass(const BlockPattern& pattern, const Mass<Scalar>& mass, Scalar mass
     for (std::size_t i = 0; i < 9; i += 4) k_t[i] = k[i];
 }
 
-/// As `assemble`, for elements of one Lamé ratio or of several.
-template <bool same_ratio, std::floating_point Scalar, class Law, Executor E>
+/// Adds what MeanDilatation contributes to the upper block `u`.
+template <std::floating_point Scalar, bool same_ratio, class Law>
+void add_mean_dilatation(const BlockPattern& p, const typename Law::Evaluation& state, std::size_t u,
+                         StiffnessSum<Scalar, same_ratio>& sum) {
+  constexpr std::size_t n = Law::nodes;
+  if constexpr (Law::points == 1) {
+    for (Index c = p.group_contribution_start[u]; c < p.group_contribution_start[u + 1]; ++c) {
+      const Index code = p.group_contribution[at(c)];
+      sum.add_mean(state.mean_gradient(BlockPattern::row_of_group(code)),
+                   state.mean_gradient(BlockPattern::column_of_group(code)));
+    }
+  } else {
+    for (Index c = p.contribution_start[u]; c < p.contribution_start[u + 1]; ++c) {
+      const std::size_t code = at(p.contribution[at(c)]), row = code / n;
+      sum.add_mean(state.mean_gradient(row), state.mean_gradient(row / n * n + code % n));
+    }
+  }
+}
+
+/// As `assemble`, for elements of one Lamé ratio or of several, with mean dilatation or without.
+template <bool same_ratio, bool mean_dilatation, std::floating_point Scalar, class Law, Executor E>
 void assemble_blocks(const Law& law, const typename Law::Evaluation& state, const Mass<Scalar>& mass,
                      Scalar mass_factor, Scalar stiffness_factor, BlockMatrix<Scalar>& matrix, E& executor) {
   constexpr std::size_t n = Law::nodes;
@@ -44,6 +63,7 @@ void assemble_blocks(const Law& law, const typename Law::Evaluation& state, cons
         sum.add(state, row, row / n * n + code % n);
       }
       if constexpr (same_ratio) sum.set_ratio(*law.common_lame_ratio());
+      if constexpr (mean_dilatation) add_mean_dilatation<Scalar, same_ratio, Law>(p, state, at(u), sum);
       const auto [slot, mirror] = p.upper[at(u)];
       sum.write(stiffness_factor, matrix.values(slot), matrix.values(mirror));
       const Index row = p.column[at(mirror)];
@@ -60,10 +80,18 @@ void assemble_blocks(const Law& law, const typename Law::Evaluation& state, cons
 template <std::floating_point Scalar, class Law, Executor E>
 void assemble(const Law& law, const typename Law::Evaluation& state, const Mass<Scalar>& mass, Scalar mass_factor,
               Scalar stiffness_factor, BlockMatrix<Scalar>& matrix, E& executor) {
-  if (law.common_lame_ratio())
-    detail::assemble_blocks<true>(law, state, mass, mass_factor, stiffness_factor, matrix, executor);
+  const auto run = [&]<bool same_ratio, bool mean>() {
+    detail::assemble_blocks<same_ratio, mean>(law, state, mass, mass_factor, stiffness_factor, matrix, executor);
+  };
+  const bool same_ratio = law.common_lame_ratio().has_value(), mean = law.mean_dilatation().on();
+  if (same_ratio && mean)
+    run.template operator()<true, true>();
+  else if (same_ratio)
+    run.template operator()<true, false>();
+  else if (mean)
+    run.template operator()<false, true>();
   else
-    detail::assemble_blocks<false>(law, state, mass, mass_factor, stiffness_factor, matrix, executor);
+    run.template operator()<false, false>();
 }
 
 }  // namespace corotet

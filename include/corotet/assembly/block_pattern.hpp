@@ -3,11 +3,23 @@
 
 #include <algorithm>
 #include <array>
+#include <corotet/core/assert.hpp>
 #include <corotet/core/types.hpp>
 #include <numeric>
 #include <vector>
 
 namespace corotet {
+
+/// Sets of vertices that a term of the energy couples besides those of an element: group g has the vertices
+/// vertex[start[g]] ... vertex[start[g + 1] - 1], each once.
+struct VertexGroups {
+  std::vector<Index> start;   ///< groups + 1 entries, or none
+  std::vector<Index> vertex;  ///< at most `most_vertices` a group
+
+  static constexpr Index most_vertices = 16;
+
+  [[nodiscard]] Index count() const { return start.empty() ? 0 : size_of(start) - 1; }
+};
 
 /// Compressed rows of a structurally symmetric block matrix over the vertices, plus, for each block on or above the
 /// diagonal, the element contributions that sum to it, in a fixed order: assembly is a gather, free of races and the
@@ -26,6 +38,18 @@ struct BlockPattern {
   std::vector<Index> contribution_start;  ///< upper.size() + 1 entries
   std::vector<Index> contribution;        ///< (element * nodes + a) * nodes + b
 
+  /// The same for groups of vertices; both empty if there are none.
+  std::vector<Index> group_contribution_start;
+  std::vector<Index> group_contribution;  ///< see row_of_group, column_of_group
+
+  /// Places in VertexGroups::vertex of the row and the column of a group's contribution.
+  [[nodiscard]] static std::size_t row_of_group(Index code) { return at(code / code_range); }
+  [[nodiscard]] static std::size_t column_of_group(Index code) {
+    return at(code / code_range + code % code_range - VertexGroups::most_vertices);
+  }
+  /// Members of all groups that a pattern can number.
+  static constexpr std::size_t most_group_members = (std::size_t{1} << 31) / (2 * VertexGroups::most_vertices);
+
   std::vector<Index> incidence_start;  ///< n + 1 entries
   std::vector<Index> incidence;        ///< element * nodes + a, ascending, for each vertex
 
@@ -38,13 +62,24 @@ struct BlockPattern {
     return static_cast<Index>(std::lower_bound(begin, end, col) - column.begin());
   }
 
-  /// The pattern of a mesh of `vertices` vertices. O(elements * nodes^2 * log(blocks in a row)).
+  /// The pattern of a mesh of `vertices` vertices, with the blocks of `groups` besides those of the elements.
+  /// O(elements * nodes^2 * log(blocks in a row)).
   template <std::size_t N>
-  [[nodiscard]] static BlockPattern of(const std::vector<std::array<Index, N>>& elements, Index vertices) {
+  [[nodiscard]] static BlockPattern of(const std::vector<std::array<Index, N>>& elements, Index vertices,
+                                       const VertexGroups& groups = {}) {
+    COROTET_ASSERT(groups.vertex.size() <= most_group_members, "too many groups for 32-bit indices");
     BlockPattern p;
     p.find_incidence(elements, vertices);
-    p.find_blocks(elements);
-    p.find_contributions(elements);
+    p.find_blocks(elements, groups);
+    const auto code = [](std::size_t e, std::size_t a, std::size_t b) { return (e * N + a) * N + b; };
+    p.find_contributions(
+        [&](auto&& visit) {
+          for (std::size_t e = 0; e < elements.size(); ++e)
+            for (std::size_t a = 0; a < N; ++a)
+              for (std::size_t b = 0; b < N; ++b) visit(elements[e][a], elements[e][b], code(e, a, b));
+        },
+        elements.size() * N * (N + 1) / 2, p.contribution_start, p.contribution);
+    if (groups.count() > 0) p.find_group_contributions(groups);
     return p;
   }
 
@@ -62,8 +97,12 @@ struct BlockPattern {
   }
 
   template <std::size_t N>
-  void find_blocks(const std::vector<std::array<Index, N>>& elements) {
+  void find_blocks(const std::vector<std::array<Index, N>>& elements, const VertexGroups& groups) {
     const std::size_t n = incidence_start.size() - 1;
+    std::vector<std::vector<Index>> groups_of(groups.count() > 0 ? n : 0);
+    for (Index g = 0; g < groups.count(); ++g)
+      for (Index k = groups.start[at(g)]; k < groups.start[at(g) + 1]; ++k)
+        groups_of[at(groups.vertex[at(k)])].push_back(g);
     row_start.assign(1, 0);
     row_start.reserve(n + 1);
     diagonal.reserve(n);
@@ -74,6 +113,10 @@ struct BlockPattern {
         const auto& nodes = elements[at(incidence[at(k)]) / N];
         row.insert(row.end(), nodes.begin(), nodes.end());
       }
+      if (!groups_of.empty())
+        for (const Index g : groups_of[i])
+          row.insert(row.end(), groups.vertex.begin() + groups.start[at(g)],
+                     groups.vertex.begin() + groups.start[at(g) + 1]);
       std::sort(row.begin(), row.end());
       row.erase(std::unique(row.begin(), row.end()), row.end());
       column.insert(column.end(), row.begin(), row.end());
@@ -84,30 +127,44 @@ struct BlockPattern {
       for (Index k = diagonal[at(i)]; k < row_start[at(i) + 1]; ++k) upper.push_back({k, slot(column[at(k)], i)});
   }
 
-  template <std::size_t N>
-  void find_contributions(const std::vector<std::array<Index, N>>& elements) {
+  static constexpr Index code_range = 2 * VertexGroups::most_vertices;
+
+  void find_group_contributions(const VertexGroups& groups) {
+    const auto code = [](Index row, Index column_place) {
+      return at(row) * at(code_range) + at(column_place - row + VertexGroups::most_vertices);
+    };
+    find_contributions(
+        [&](auto&& visit) {
+          for (Index g = 0; g < groups.count(); ++g)
+            for (Index a = groups.start[at(g)]; a < groups.start[at(g) + 1]; ++a)
+              for (Index b = groups.start[at(g)]; b < groups.start[at(g) + 1]; ++b)
+                visit(groups.vertex[at(a)], groups.vertex[at(b)], code(a, b));
+        },
+        groups.vertex.size(), group_contribution_start, group_contribution);
+  }
+
+  /// Sorts contributions by their block. `for_each_pair` visits (row vertex, column vertex, code) of each, below the
+  /// diagonal too, twice in the same order; about `expected` of them are not below it.
+  template <class ForEachPair>
+  void find_contributions(const ForEachPair& for_each_pair, std::size_t expected, std::vector<Index>& start,
+                          std::vector<Index>& list) const {
     std::vector<Index> upper_of_slot(column.size(), -1);
     for (std::size_t u = 0; u < upper.size(); ++u) upper_of_slot[at(upper[u].slot)] = static_cast<Index>(u);
 
-    contribution_start.assign(upper.size() + 1, 0);
-    std::vector<Index> target;  // the upper block of each contribution, in element order
-    target.reserve(elements.size() * N * (N + 1) / 2);
-    const auto for_each_pair = [&](auto&& visit) {
-      for (std::size_t e = 0; e < elements.size(); ++e)
-        for (std::size_t a = 0; a < N; ++a)
-          for (std::size_t b = 0; b < N; ++b)
-            if (elements[e][a] <= elements[e][b]) visit(e, a, b);
-    };
-    for_each_pair([&](std::size_t e, std::size_t a, std::size_t b) {
-      target.push_back(upper_of_slot[at(slot(elements[e][a], elements[e][b]))]);
-      ++contribution_start[at(target.back()) + 1];
+    start.assign(upper.size() + 1, 0);
+    std::vector<Index> target;  // the upper block of each contribution, in the order of the visits
+    target.reserve(expected);
+    for_each_pair([&](Index i, Index j, std::size_t) {
+      if (i > j) return;
+      target.push_back(upper_of_slot[at(slot(i, j))]);
+      ++start[at(target.back()) + 1];
     });
-    std::partial_sum(contribution_start.begin(), contribution_start.end(), contribution_start.begin());
-    contribution.resize(target.size());
-    std::vector<Index> next(contribution_start.begin(), contribution_start.end() - 1);
+    std::partial_sum(start.begin(), start.end(), start.begin());
+    list.resize(target.size());
+    std::vector<Index> next(start.begin(), start.end() - 1);
     std::size_t k = 0;
-    for_each_pair([&](std::size_t e, std::size_t a, std::size_t b) {
-      contribution[at(next[at(target[k++])]++)] = static_cast<Index>((e * N + a) * N + b);
+    for_each_pair([&](Index i, Index j, std::size_t code) {
+      if (i <= j) list[at(next[at(target[k++])]++)] = static_cast<Index>(code);
     });
   }
 };

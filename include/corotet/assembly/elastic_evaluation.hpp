@@ -49,6 +49,7 @@ class ElasticEvaluation {
       : extremes((law.batches().size() + at(Law::batch_grain) - 1) / at(Law::batch_grain)),
         force_(at(law.element_count()) * nodes),
         gradient_(at(law.element_count()) * points * nodes),
+        mean_gradient_(law.mean_dilatation().gradient_count(law.element_count())),
         elements_(at(law.element_count())) {}
 
   [[nodiscard]] DeformationExtremes worst() const {
@@ -57,15 +58,32 @@ class ElasticEvaluation {
     return all;
   }
 
-  /// The force of an element on its node `a`, N, and a number without meaning.
+  /// The force of an element on its node `a`, N, and a number that is not part of it: see volumetric_stress.
   [[nodiscard]] Scalar* force(Index element, std::size_t a) { return force_[at(element) * nodes + a].data(); }
 
-  /// sqrt(mu V) R grad N at quadrature point q, and lambda / mu, of the node that is number `element * nodes + a`.
+  /// What resists the change of volume at quadrature point q of an element, over mu: lambda theta / mu with
+  /// theta = tr(R^T F) - 3; with mean dilatation, that of the part at the point and of the mean together. All that
+  /// second derivatives of theta (the twist modes) are multiplied with.
+  [[nodiscard]] Scalar volumetric_stress(std::size_t q, Index element) const {
+    static_assert(points <= nodes);
+    return force_[at(element) * nodes + q][3];
+  }
+  void set_volumetric_stress(std::size_t q, Index element, Scalar value) { force_[at(element) * nodes + q][3] = value; }
+
+  /// sqrt(mu V) R grad N at quadrature point q, and the lambda / mu that acts there, of the node that is number
+  /// `element * nodes + a`.
   [[nodiscard]] Scalar* gradient(std::size_t q, std::size_t element_node) {
     return gradient_[q * elements_ * nodes + element_node].data();
   }
   [[nodiscard]] COROTET_ALWAYS_INLINE const Scalar* gradient(std::size_t q, std::size_t element_node) const {
     return gradient_[q * elements_ * nodes + element_node].data();
+  }
+
+  /// g of MeanDilatation, sqrt(N/m), and a number without meaning: of each vertex of each patch, or of the node that is
+  /// number `element * nodes + a`. There are none unless the law asks for them.
+  [[nodiscard]] Scalar* mean_gradient(std::size_t i) { return mean_gradient_[i].data(); }
+  [[nodiscard]] COROTET_ALWAYS_INLINE const Scalar* mean_gradient(std::size_t i) const {
+    return mean_gradient_[i].data();
   }
 
   /// Numbers from an element's force or gradient to that of the next element.
@@ -86,6 +104,7 @@ class ElasticEvaluation {
 
   std::vector<Four> force_;     // [element][node]
   std::vector<Four> gradient_;  // [point][element][node]
+  std::vector<Four> mean_gradient_;
   std::size_t elements_ = 0;
 };
 
@@ -112,12 +131,19 @@ class StiffnessSum {
     }
   }
 
-  /// Where the ratio is the same everywhere: called once, after the last `add`.
+  /// Where the ratio is the same everywhere: called once, after the last `add` and before `add_mean`.
   COROTET_ALWAYS_INLINE void set_ratio(Scalar lame_ratio)
     requires same_ratio
   {
     COROTET_UNROLL
     for (std::size_t c = 0; c < 3; ++c) lambda_[c] = Q(lame_ratio) * mu_[c];
+  }
+
+  /// Adds row_g column_g^T: see MeanDilatation.
+  COROTET_ALWAYS_INLINE void add_mean(const Scalar* row_g, const Scalar* column_g) {
+    const Q g = Q::load(row_g);
+    COROTET_UNROLL
+    for (std::size_t c = 0; c < 3; ++c) lambda_[c] += g * Q(column_g[c]);
   }
 
   /// Writes the sum times `factor` (whose units are those of the result per N/m) to the nine numbers at `block`, and

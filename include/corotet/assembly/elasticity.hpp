@@ -7,6 +7,8 @@
 #include <cmath>
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/assembly/elastic_evaluation.hpp>
+#include <corotet/assembly/mean_dilatation.hpp>
+#include <corotet/assembly/strain.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/element_batch.hpp>
@@ -26,7 +28,8 @@ namespace corotet {
 /// With S = R^T F at a quadrature point, strain e = sym(S) - I and stress s = 2 mu e + lambda tr(e) I, the energy is
 /// W = sum V (mu |e|^2 + lambda/2 tr(e)^2) and the force on node a is f_a = -sum V R s grad N_a, which equals
 /// R K_e (R^T x - X) with a minus sign. With Polar rotations at each quadrature point f is exactly -dW/dx (Chao,
-/// Pinkall, Sanan & Schröder 2010, section 4.1).
+/// Pinkall, Sanan & Schröder 2010, section 4.1). With Dilatation::mean, tr(e) is a mean over several points instead:
+/// see MeanDilatation.
 template <std::floating_point Scalar, ReferenceElement Element = Tet4, RotationExtractor Rotation = Polar>
 class Elasticity {
  public:
@@ -36,8 +39,9 @@ class Elasticity {
   static constexpr std::size_t points = Batch::points;
 
   /// `materials` must pass Materials::check for this mesh.
-  Elasticity(const TetMesh<Scalar, Element>& mesh, const Materials& materials)
-      : elements_(mesh.element_count()), batches_(at(batch_count(elements_))) {
+  Elasticity(const TetMesh<Scalar, Element>& mesh, const Materials& materials,
+             Dilatation dilatation = Dilatation::per_element)
+      : elements_(mesh.element_count()), batches_(at(batch_count(elements_))), mean_(mesh, dilatation) {
     for (Index e = 0; e < size_of(batches_) * lane_count<Scalar>; ++e) set_rest_state(mesh, e);
     set_materials(materials);
   }
@@ -48,19 +52,24 @@ class Elasticity {
       const auto [lambda, mu] = lame(materials.of_element(at(e)));
       Batch& batch = batches_[at(e / lane_count<Scalar>)];
       const int l = e % lane_count<Scalar>;
-      const auto ratio = static_cast<Scalar>(lambda / mu);
+      const auto ratio = static_cast<Scalar>(mean_.pointwise(lambda / mu));
+      mean_.set_ratio(e, lambda / mu - mean_.pointwise(lambda / mu));
       if (e == 0) common_lame_ratio_ = ratio;
       if (common_lame_ratio_ != ratio) common_lame_ratio_.reset();
       batch.lame_ratio.set(l, ratio);
       for (auto& point : batch.point)
         point.root_stiffness.set(l, static_cast<Scalar>(std::sqrt(mu * static_cast<double>(point.volume[l]))));
     }
+    if (mean_.on()) mean_.update_weights(batches_);
   }
 
   [[nodiscard]] Index element_count() const { return elements_; }
-  /// lambda / mu, if it is the same in all elements.
+  /// The lambda / mu that acts at quadrature points, if it is the same in all elements.
   [[nodiscard]] std::optional<Scalar> common_lame_ratio() const { return common_lame_ratio_; }
   [[nodiscard]] const std::vector<Batch>& batches() const { return batches_; }
+  [[nodiscard]] const MeanDilatation<Scalar, Element>& mean_dilatation() const { return mean_; }
+  /// Vertices that the matrix couples besides those of an element: for BlockPattern::of.
+  [[nodiscard]] const VertexGroups& vertex_groups() const { return mean_.patches().vertices; }
 
   /// Rotations, nodal forces and rotated gradients of every element at `displacement` (m, one a vertex).
   template <Executor E>
@@ -70,30 +79,43 @@ class Elasticity {
       for (Index b = begin; b < end; ++b) evaluate_batch(displacement, b, out, extremes);
       out.extremes[at(begin / batch_grain)] = extremes.of_all_lanes();
     });
+    if (mean_.on() && Mean::over_patches) mean_.finish(out, executor);
   }
 
-  /// W, J. Summed in double and in element order, whatever Scalar is.
+  /// W, J. Summed in double and in element order, whatever Scalar is. Allocates where dilatation is a mean over
+  /// patches.
   [[nodiscard]] double energy(const Field<Scalar>& displacement) const {
     double sum = 0;
-    for (const Batch& batch : batches_) {
+    std::vector<double> theta;  // of each element, where patches need it
+    for (Index b = 0; b < size_of(batches_); ++b) {
+      const Batch& batch = batches_[at(b)];
       std::array<Mat3Lanes<Scalar>, points> f, r;
       deformation(batch, displacement, f, r);
+      const typename Mean::OfBatch mean = mean_.of_batch(batch, b, f, r);
       for (std::size_t q = 0; q < points; ++q) {
-        const Strain e = strain(f[q], r[q]);
-        const Lanes<Scalar> trace = e[0] + e[1] + e[2];
+        const Strain e = corotational_strain(f[q], r[q]);
+        const Lanes<Scalar> trace = e.trace();
         const Lanes<Scalar> stiffness = batch.point[q].root_stiffness * batch.point[q].root_stiffness;
         const Lanes<Scalar> energy =
-            stiffness * (e.squared_norm() + Lanes<Scalar>(Scalar(0.5)) * batch.lame_ratio * trace * trace);
+            stiffness *
+            (e.squared_norm() + Lanes<Scalar>(Scalar(0.5)) * (batch.lame_ratio * trace + mean.tension) * trace);
         for (int l = 0; l < lane_count<Scalar>; ++l) sum += static_cast<double>(energy[l]);
+        if (mean_.on() && Mean::over_patches)
+          for (int l = 0; l < lane_count<Scalar>; ++l) theta.push_back(static_cast<double>(trace[l]));
       }
     }
+    for (Index p = 0; p < mean_.patches().count(); ++p)
+      sum += mean_.patch_energy(p, [&](Index e) { return theta[at(e)]; });
     return sum;
   }
 
   /// Block (a, b) of the warped stiffness R K_e R^T of an element, at the evaluated state, N/m: see StiffnessSum.
+  /// Without what is a mean over a patch.
   [[nodiscard]] Mat3<Scalar> stiffness_block(const Evaluation& at_state, Index element, int a, int b) const {
     StiffnessSum<Scalar> sum;
-    sum.add(at_state, at(element * nodes + a), at(element * nodes + b));
+    const std::size_t row = at(element * nodes + a), column = at(element * nodes + b);
+    sum.add(at_state, row, column);
+    if (mean_.on() && !Mean::over_patches) sum.add_mean(at_state.mean_gradient(row), at_state.mean_gradient(column));
     Mat3<Scalar> block, mirror;
     sum.write(1, block.data(), mirror.data());
     return block;
@@ -107,13 +129,9 @@ class Elasticity {
   }
 
  private:
-  /// xx yy zz yz zx xy.
-  struct Strain : std::array<Lanes<Scalar>, 6> {
-    [[nodiscard]] Lanes<Scalar> squared_norm() const {
-      const Strain& e = *this;
-      return e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + Lanes<Scalar>(2) * (e[3] * e[3] + e[4] * e[4] + e[5] * e[5]);
-    }
-  };
+  using Mean = MeanDilatation<Scalar, Element>;
+
+  using Strain = StrainLanes<Scalar>;
 
   void set_rest_state(const TetMesh<Scalar, Element>& mesh, Index e) {
     Batch& batch = batches_[at(e / lane_count<Scalar>)];
@@ -160,23 +178,6 @@ class Elasticity {
     }
   }
 
-  /// sym(R^T F) - I, as sym(R^T (F - R)) so that small strains keep their digits.
-  static Strain strain(const Mat3Lanes<Scalar>& f, const Mat3Lanes<Scalar>& r) {
-    Mat3Lanes<Scalar> d;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) d(i, j) = f(i, j) - r(i, j);
-    const auto product = [&](int i, int j) -> Lanes<Scalar> {
-      return r(0, i) * d(0, j) + r(1, i) * d(1, j) + r(2, i) * d(2, j);
-    };
-    Strain e;
-    for (int i = 0; i < 3; ++i) e[at(i)] = product(i, i);
-    for (int i = 0; i < 3; ++i) {
-      const int j = (i + 1) % 3, k = (i + 2) % 3;
-      e[at(3 + i)] = Lanes<Scalar>(Scalar(0.5)) * (product(j, k) + product(k, j));
-    }
-    return e;
-  }
-
   /// Of the elements that each lane has held. Lanes beyond the last element are at rest.
   struct Extremes {
     Lanes<Scalar> inverted = 0, largest_strain2 = 0, least_trace = 3;
@@ -195,7 +196,10 @@ class Elasticity {
     std::array<Mat3Lanes<Scalar>, points> f, r;
     deformation(batch, displacement, f, r);
 
-    std::array<Vec3Lanes<Scalar>, nodes> force;
+    const bool own_mean = mean_.on() && !Mean::over_patches;
+    const typename Mean::OfBatch mean = mean_.of_batch(batch, b, f, r);
+    std::array<Vec3Lanes<Scalar>, nodes> force, mean_gradient;
+    std::array<L, points> volumetric;
     for (Vec3Lanes<Scalar>& node : force)
       for (L& component : node) component = 0;
     L least_determinant = 1;
@@ -204,14 +208,17 @@ class Elasticity {
 
     for (std::size_t q = 0; q < points; ++q) {
       const Mat3Lanes<Scalar>&fq = f[q], &rq = r[q];
-      const Strain e = strain(fq, rq);
+      const Strain e = corotational_strain(fq, rq);
       extremes.largest_strain2 = max(extremes.largest_strain2, e.squared_norm());
       extremes.least_trace = min(extremes.least_trace, rq(0, 0) + rq(1, 1) + rq(2, 2));
       least_determinant = min(least_determinant, determinant(fq));
 
       const Mat3Lanes<Scalar>& inverse = batch.point[q].inverse_jacobian;
       Mat3Lanes<Scalar> stress, rotated, rotated_stress, natural_stress;
-      scaled_stress(batch, q, e, stress);
+      const L theta = e.trace();
+      volumetric[q] = batch.lame_ratio * theta + mean.tension;
+      scaled_stress(batch, q, e, volumetric[q], stress);
+      if (mean_.on() && Mean::over_patches) volumetric[q] = theta;  // what MeanDilatation::finish wants
       // The rotated gradient of node a is R (dxi/dX)^T times its natural gradient, its force -V R s (dxi/dX)^T times
       // it.
       product_with_transpose(rq, inverse, rotated);
@@ -224,12 +231,20 @@ class Elasticity {
         const Vec3Lanes<Scalar> gradient = Batch::times_gradient(rotated, q, a);
         store_side_by_side(gradient[0], gradient[1], gradient[2], batch.lame_ratio,
                            out.gradient(q, at(first * nodes) + a), Evaluation::stride, used);
+        if (own_mean)
+          for (std::size_t i = 0; i < 3; ++i)
+            mean_gradient[a][i] = (q == 0 ? L(0) : mean_gradient[a][i]) + mean.factor[q] * gradient[i];
         const Vec3Lanes<Scalar> part = Batch::times_gradient(natural_stress, q, a);
         for (std::size_t i = 0; i < 3; ++i) force[a][i] += part[i];
       }
     }
     for (std::size_t a = 0; a < nodes; ++a)
-      store_side_by_side(force[a][0], force[a][1], force[a][2], L(0), out.force(first, a), Evaluation::stride, used);
+      store_side_by_side(force[a][0], force[a][1], force[a][2], a < points ? volumetric[a % points] : L(0),
+                         out.force(first, a), Evaluation::stride, used);
+    if (own_mean)
+      for (std::size_t a = 0; a < nodes; ++a)
+        store_side_by_side(mean_gradient[a][0], mean_gradient[a][1], mean_gradient[a][2], L(0),
+                           out.mean_gradient(at(first * nodes) + a), Evaluation::stride, used);
     extremes.inverted += select(least_determinant > 0, L(0), L(1));  // at most 16 batches: exact
   }
 
@@ -238,11 +253,12 @@ class Elasticity {
            m(0, 2) * (m(1, 0) * m(2, 1) - m(1, 1) * m(2, 0));
   }
 
-  /// Minus the stress times the volume: -V (2 mu e + lambda tr(e) I).
-  static void scaled_stress(const Batch& batch, std::size_t q, const Strain& e, Mat3Lanes<Scalar>& s) {
+  /// Minus the stress times the volume: -V (2 mu e + mu volumetric I).
+  static void scaled_stress(const Batch& batch, std::size_t q, const Strain& e, const Lanes<Scalar>& volumetric,
+                            Mat3Lanes<Scalar>& s) {
     const Lanes<Scalar> stiffness = batch.point[q].root_stiffness * batch.point[q].root_stiffness;
     const Lanes<Scalar> two_mu = Lanes<Scalar>(-2) * stiffness;
-    const Lanes<Scalar> pressure = batch.lame_ratio * stiffness * (e[0] + e[1] + e[2]);
+    const Lanes<Scalar> pressure = stiffness * volumetric;
     for (int i = 0; i < 3; ++i) {
       const int j = (i + 1) % 3, k = (i + 2) % 3;
       s(i, i) = two_mu * e[at(i)] - pressure;
@@ -262,6 +278,7 @@ class Elasticity {
   Index elements_;
   std::vector<Batch> batches_;
   std::optional<Scalar> common_lame_ratio_;
+  Mean mean_;
 };
 
 }  // namespace corotet

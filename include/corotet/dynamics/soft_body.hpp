@@ -24,6 +24,7 @@ namespace corotet {
 struct BodyOptions {
   MassModel mass = MassModel::lumped;
   RayleighDamping damping;
+  Dilatation dilatation = Dilatation::per_element;
 };
 
 /// The state is a displacement from rest and a velocity, not a world position, so that float keeps its digits wherever
@@ -133,8 +134,9 @@ class SoftBody {
  private:
   SoftBody(Mesh mesh, const Materials& materials, const BodyOptions& options)
       : mesh_(std::move(mesh)),
-        pattern_(std::make_shared<const BlockPattern>(BlockPattern::of(mesh_.elements(), mesh_.vertex_count()))),
-        law_(mesh_, materials),
+        law_(mesh_, materials, options.dilatation),
+        pattern_(std::make_shared<const BlockPattern>(
+            BlockPattern::of(mesh_.elements(), mesh_.vertex_count(), law_.vertex_groups()))),
         mass_(mesh_, materials, options.mass, *pattern_),
         damping_(options.damping),
         pins_(mesh_.vertex_count()),
@@ -155,8 +157,8 @@ class SoftBody {
   }
 
   Mesh mesh_;
-  std::shared_ptr<const BlockPattern> pattern_;
   Law law_;
+  std::shared_ptr<const BlockPattern> pattern_;
   Mass<Scalar> mass_;
   RayleighDamping damping_;
   Pins<Scalar> pins_;

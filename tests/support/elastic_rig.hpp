@@ -1,0 +1,57 @@
+// A mesh with its elastic law, evaluated on demand.
+#pragma once
+
+#include <corotet/assembly/assemble.hpp>
+#include <corotet/assembly/elasticity.hpp>
+#include <corotet/assembly/mass.hpp>
+#include <corotet/mesh/tet_mesh.hpp>
+#include <corotet/rotation/polar.hpp>
+#include <memory>
+#include <utility>
+
+namespace corotet::testing {
+
+inline constexpr Material rubber{.young = 3e4, .poisson = 0.35, .density = 900};
+
+template <class Scalar, class Element, class Rotation = Polar>
+struct Rig {
+  TetMesh<Scalar, Element> mesh;
+  Elasticity<Scalar, Element, Rotation> law;
+  std::shared_ptr<const BlockPattern> pattern;
+  ElasticEvaluation<Scalar, Element> state;
+  SerialExecutor serial;
+
+  explicit Rig(TetMesh<Scalar, Element> m, const Materials& materials = rubber,
+               Dilatation dilatation = Dilatation::per_element)
+      : mesh(std::move(m)),
+        law(mesh, materials, dilatation),
+        pattern(std::make_shared<const BlockPattern>(
+            BlockPattern::of(mesh.elements(), mesh.vertex_count(), law.vertex_groups()))),
+        state(law) {}
+
+  Field<Scalar> force(const Field<Scalar>& u) {
+    law.evaluate(u, state, serial);
+    Field<Scalar> f;
+    for (Index v = 0; v < mesh.vertex_count(); ++v) f.push_back(state.vertex_force(*pattern, v));
+    return f;
+  }
+
+  BlockMatrix<Scalar> stiffness(const Field<Scalar>& u) {
+    law.evaluate(u, state, serial);
+    const Mass<Scalar> mass(mesh, rubber, MassModel::lumped, *pattern);
+    BlockMatrix<Scalar> k(pattern);
+    assemble(law, state, mass, Scalar(0), Scalar(1), k, serial);
+    return k;
+  }
+
+  Eigen::MatrixXd dense_stiffness(const Field<Scalar>& u) {
+    const BlockMatrix<Scalar> k = stiffness(u);
+    Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(3 * k.rows(), 3 * k.rows());
+    for (Index i = 0; i < k.rows(); ++i)
+      for (Index s = pattern->row_start[at(i)]; s < pattern->row_start[at(i) + 1]; ++s)
+        dense.block<3, 3>(3 * i, 3 * pattern->column[at(s)]) = k.block(s).template cast<double>();
+    return dense;
+  }
+};
+
+}  // namespace corotet::testing
