@@ -1,6 +1,7 @@
 // A mesh with its elastic law, evaluated on demand.
 #pragma once
 
+#include <corotet/assembly/add_twist.hpp>
 #include <corotet/assembly/assemble.hpp>
 #include <corotet/assembly/elasticity.hpp>
 #include <corotet/assembly/mass.hpp>
@@ -22,12 +23,12 @@ struct Rig {
   SerialExecutor serial;
 
   explicit Rig(TetMesh<Scalar, Element> m, const Materials& materials = rubber,
-               Dilatation dilatation = Dilatation::per_element)
+               Dilatation dilatation = Dilatation::per_element, Tangent tangent = Tangent::plain)
       : mesh(std::move(m)),
         law(mesh, materials, dilatation),
         pattern(std::make_shared<const BlockPattern>(
             BlockPattern::of(mesh.elements(), mesh.vertex_count(), law.vertex_groups()))),
-        state(law) {}
+        state(law, tangent) {}
 
   Field<Scalar> force(const Field<Scalar>& u) {
     law.evaluate(u, state, serial);
@@ -41,6 +42,7 @@ struct Rig {
     const Mass<Scalar> mass(mesh, rubber, MassModel::lumped, *pattern);
     BlockMatrix<Scalar> k(pattern);
     assemble(law, state, mass, Scalar(0), Scalar(1), k, serial);
+    if (state.twist.any()) add_twist(state, Scalar(1), k, serial);
     return k;
   }
 

@@ -94,6 +94,16 @@ class BlockMatrix {
     });
   }
 
+  /// *this += factor * other, of the same pattern.
+  template <Executor E>
+  void add(Scalar factor, const BlockMatrix& other, E& executor) {
+    for_ranges(executor, rows(), row_grain, [&](Index begin, Index end) {
+      const std::size_t first = block_size * at(pattern_->row_start[at(begin)]);
+      const std::size_t last = block_size * at(pattern_->row_start[at(end)]);
+      for (std::size_t k = first; k < last; ++k) value_[k] += factor * other.value_[k];
+    });
+  }
+
   /// Rows that one task works on: some tens of microseconds.
   static constexpr Index row_grain = 256;
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <corotet/assembly/block_pattern.hpp>
+#include <corotet/assembly/twist_modes.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/element_batch.hpp>
@@ -41,12 +42,15 @@ class ElasticEvaluation {
   static constexpr std::size_t nodes = Element::nodes;
 
   std::vector<DeformationExtremes> extremes;  ///< one a task
+  TwistModes<Scalar> twist;                   ///< what the tangent has besides the warped stiffness
 
   ElasticEvaluation() = default;
 
+  /// `tangent`: plain is all there is where the rotation is not Polar at each point, see Elasticity::has_twist_modes.
   template <class Law>
-  explicit ElasticEvaluation(const Law& law)
+  explicit ElasticEvaluation(const Law& law, Tangent tangent = Tangent::plain)
       : extremes((law.batches().size() + at(Law::batch_grain) - 1) / at(Law::batch_grain)),
+        twist(Law::has_twist_modes ? tangent : Tangent::plain, law.batches().size(), points),
         force_(at(law.element_count()) * nodes),
         gradient_(at(law.element_count()) * points * nodes),
         mean_gradient_(law.mean_dilatation().gradient_count(law.element_count())),

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/assembly/elastic_evaluation.hpp>
 #include <corotet/assembly/mean_dilatation.hpp>
@@ -15,6 +16,7 @@
 #include <corotet/element/jacobian.hpp>
 #include <corotet/material/material.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
+#include <corotet/rotation/identity.hpp>
 #include <corotet/rotation/polar.hpp>
 #include <corotet/rotation/rotation_extractor.hpp>
 #include <optional>
@@ -37,6 +39,10 @@ class Elasticity {
   using Evaluation = ElasticEvaluation<Scalar, Element>;
   static constexpr int nodes = Element::nodes;
   static constexpr std::size_t points = Batch::points;
+  /// Whether R is the polar rotation of each point's F: only then are TwistModes those of the energy.
+  static constexpr bool has_twist_modes = std::derived_from<Rotation, Polar> && (points == 1 || !Rotation::per_element);
+  /// Whether the force is minus the gradient of the energy.
+  static constexpr bool is_conservative = has_twist_modes || std::derived_from<Rotation, Identity>;
 
   /// `materials` must pass Materials::check for this mesh.
   Elasticity(const TetMesh<Scalar, Element>& mesh, const Materials& materials,
@@ -79,7 +85,10 @@ class Elasticity {
       for (Index b = begin; b < end; ++b) evaluate_batch(displacement, b, out, extremes);
       out.extremes[at(begin / batch_grain)] = extremes.of_all_lanes();
     });
-    if (mean_.on() && Mean::over_patches) mean_.finish(out, executor);
+    if (mean_.on() && Mean::over_patches) {
+      mean_.finish(out, executor);
+      if (has_twist_modes && out.twist.wanted()) set_twist_again(displacement, out, executor);
+    }
   }
 
   /// W, J. Summed in double and in element order, whatever Scalar is. Allocates where dilatation is a mean over
@@ -218,6 +227,7 @@ class Elasticity {
       const L theta = e.trace();
       volumetric[q] = batch.lame_ratio * theta + mean.tension;
       scaled_stress(batch, q, e, volumetric[q], stress);
+      if (has_twist_modes && out.twist.wanted()) out.twist.set(q, b, e, volumetric[q], rq);
       if (mean_.on() && Mean::over_patches) volumetric[q] = theta;  // what MeanDilatation::finish wants
       // The rotated gradient of node a is R (dxi/dX)^T times its natural gradient, its force -V R s (dxi/dX)^T times
       // it.
@@ -248,9 +258,19 @@ class Elasticity {
     extremes.inverted += select(least_determinant > 0, L(0), L(1));  // at most 16 batches: exact
   }
 
-  static Lanes<Scalar> determinant(const Mat3Lanes<Scalar>& m) {
-    return m(0, 0) * (m(1, 1) * m(2, 2) - m(1, 2) * m(2, 1)) - m(0, 1) * (m(1, 0) * m(2, 2) - m(1, 2) * m(2, 0)) +
-           m(0, 2) * (m(1, 0) * m(2, 1) - m(1, 1) * m(2, 0));
+  /// The volumetric stress of a patch is known only after all of it has been evaluated.
+  template <Executor E>
+  void set_twist_again(const Field<Scalar>& displacement, Evaluation& out, E& executor) const {
+    for_ranges(executor, size_of(batches_), batch_grain, [&](Index begin, Index end) {
+      for (Index b = begin; b < end; ++b) {
+        std::array<Mat3Lanes<Scalar>, points> f, r;
+        deformation(batches_[at(b)], displacement, f, r);
+        Lanes<Scalar> volumetric = 0;
+        for (int l = 0; l < lane_count<Scalar> && b * lane_count<Scalar> + l < elements_; ++l)
+          volumetric.set(l, out.volumetric_stress(0, b * lane_count<Scalar> + l));
+        out.twist.set(0, b, corotational_strain(f[0], r[0]), volumetric, r[0]);
+      }
+    });
   }
 
   /// Minus the stress times the volume: -V (2 mu e + mu volumetric I).
@@ -264,15 +284,6 @@ class Elasticity {
       s(i, i) = two_mu * e[at(i)] - pressure;
       s(j, k) = s(k, j) = two_mu * e[at(3 + i)];
     }
-  }
-
-  static void product(const Mat3Lanes<Scalar>& a, const Mat3Lanes<Scalar>& b, Mat3Lanes<Scalar>& ab) {
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) ab(i, j) = a(i, 0) * b(0, j) + a(i, 1) * b(1, j) + a(i, 2) * b(2, j);
-  }
-  static void product_with_transpose(const Mat3Lanes<Scalar>& a, const Mat3Lanes<Scalar>& b, Mat3Lanes<Scalar>& abt) {
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) abt(i, j) = a(i, 0) * b(j, 0) + a(i, 1) * b(j, 1) + a(i, 2) * b(j, 2);
   }
 
   Index elements_;

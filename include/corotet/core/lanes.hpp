@@ -37,6 +37,11 @@ class LaneMask {
     for (const Integer bit : std::bit_cast<std::array<Integer, lane_count<Scalar>>>(bits_)) both &= bit;
     return both != 0;
   }
+  [[nodiscard]] bool any() const {
+    Integer either = 0;
+    for (const Integer bit : std::bit_cast<std::array<Integer, lane_count<Scalar>>>(bits_)) either |= bit;
+    return either != 0;
+  }
 
   friend COROTET_ALWAYS_INLINE LaneMask operator&(const LaneMask& a, const LaneMask& b) {
     return LaneMask(detail::map<Bits>([](const auto& x, const auto& y) { return x & y; }, a.bits_, b.bits_));
@@ -180,5 +185,24 @@ struct Mat3Lanes {
       for (int c = 0; c < 3; ++c) (*this)(r, c).set(l, m(r, c));
   }
 };
+
+template <std::floating_point Scalar>
+[[nodiscard]] Lanes<Scalar> determinant(const Mat3Lanes<Scalar>& m) {
+  return m(0, 0) * (m(1, 1) * m(2, 2) - m(1, 2) * m(2, 1)) - m(0, 1) * (m(1, 0) * m(2, 2) - m(1, 2) * m(2, 0)) +
+         m(0, 2) * (m(1, 0) * m(2, 1) - m(1, 1) * m(2, 0));
+}
+
+template <std::floating_point Scalar>
+void product(const Mat3Lanes<Scalar>& a, const Mat3Lanes<Scalar>& b, Mat3Lanes<Scalar>& ab) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) ab(i, j) = a(i, 0) * b(0, j) + a(i, 1) * b(1, j) + a(i, 2) * b(2, j);
+}
+
+/// a b^T.
+template <std::floating_point Scalar>
+void product_with_transpose(const Mat3Lanes<Scalar>& a, const Mat3Lanes<Scalar>& b, Mat3Lanes<Scalar>& abt) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) abt(i, j) = a(i, 0) * b(j, 0) + a(i, 1) * b(j, 1) + a(i, 2) * b(j, 2);
+}
 
 }  // namespace corotet

@@ -1,0 +1,176 @@
+// What the warped stiffness leaves out of the exact tangent: the stress turns with the element.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <concepts>
+#include <corotet/core/lanes.hpp>
+#include <corotet/core/types.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+namespace corotet {
+
+/// The matrix in which a step's elastic force is linearised. All three give the same motion once Newton's iteration has
+/// converged; with one solve a step they differ.
+enum class Tangent : std::uint8_t {
+  /// The warped stiffness R K_e R^T (Müller & Gross 2004): semi-definite, keeps the spin of a free body. One solve a
+  /// step buzzes for ever in a body that is held stretched to about three times its length.
+  plain,
+  /// Adds to each twist mode what its stiffness exceeds mu/2 by: nothing in ordinary scenes, and rest for a body that
+  /// is held stretched.
+  stretch_stable,
+  /// Adds all of each twist mode: the Hessian of the energy, with which Newton's iteration converges quadratically.
+  /// Where that makes a step's matrix indefinite, the step goes on with the modes' positive parts alone, each point's
+  /// part of the Hessian projected to semi-definite (Teran et al. 2005; on demand: Longva et al. 2023, "Pitfalls of
+  /// projection"). One solve a step of it brakes spin.
+  exact
+};
+
+/// As in a scene file.
+[[nodiscard]] constexpr std::string_view name_of(Tangent tangent) {
+  return tangent == Tangent::plain ? "plain" : tangent == Tangent::exact ? "exact" : "stretch_stable";
+}
+
+/// The twist modes of one state of a body, as the tangent wants them. With F = R S, stretches s_k along n_k and
+/// stresses sigma_k, the energy density's Hessian has the eigenvectors R [n_k]x / sqrt 2 with the eigenvalues (sigma_i
+/// + sigma_j) / (s_i + s_j) = 2 mu + (2 p - 4 mu) / (s_i + s_j), where p = lambda tr(S - I) and i, j are the other two
+/// of 0, 1, 2. It has six more modes, and those are the warped stiffness. (Smith, de Goes & Kim 2019, "Analytic
+/// eigensystems for isotropic distortion energies", section 5, for energies in the invariants of S.)
+///
+/// Kept is the symmetric matrix H = sum e_k (R n_k)(R n_k)^T / 2 mu of each quadrature point, from which block (a, b)
+/// of an element follows as mu V [g_a]x H [g_b]x^T with g = R grad N.
+template <std::floating_point Scalar>
+class TwistModes {
+ public:
+  using SymmetricLanes = std::array<Lanes<Scalar>, 6>;  ///< xx yy zz yz zx xy
+
+  TwistModes() = default;
+
+  /// Memory for a body. Plain: none.
+  TwistModes(Tangent tangent, std::size_t batches, std::size_t points)
+      : tangent_(tangent),
+        projects_(tangent == Tangent::stretch_stable),
+        batches_(tangent == Tangent::plain ? 0 : batches),
+        active_(batches_ * points, 0) {
+    value_.resize(active_.size() * at(lane_count<Scalar>));
+  }
+
+  [[nodiscard]] Tangent tangent() const { return tangent_; }
+  /// Whether modes of negative stiffness are left out. Exact: as set here, from the next evaluation on.
+  [[nodiscard]] bool projects() const { return projects_; }
+  void project(bool on) { projects_ = on || tangent_ == Tangent::stretch_stable; }
+
+  [[nodiscard]] COROTET_ALWAYS_INLINE bool wanted() const { return tangent_ != Tangent::plain; }
+
+  /// Sets the modes of a batch at quadrature point q, from the strain sym(R^T F) - I, the pressure over mu, and R.
+  COROTET_ALWAYS_INLINE void set(std::size_t q, Index batch, const SymmetricLanes& strain,
+                                 const Lanes<Scalar>& pressure, const Mat3Lanes<Scalar>& r) {
+    const std::size_t place = q * batches_ + at(batch);
+    active_[place] = tangent_ == Tangent::exact || !is_quiet(strain, pressure) ? 1 : 0;
+    if (active_[place] != 0) compute(place, strain, pressure, r);
+  }
+
+  /// Whether any element of the body has anything to add.
+  [[nodiscard]] bool any() const { return std::find(active_.begin(), active_.end(), std::uint8_t{1}) != active_.end(); }
+  [[nodiscard]] COROTET_ALWAYS_INLINE bool any(std::size_t q, std::size_t element) const {
+    return active_[q * batches_ + element / at(lane_count<Scalar>)] != 0;
+  }
+
+  /// H of an element at point q, if any(q, element).
+  [[nodiscard]] Mat3<Scalar> matrix(std::size_t q, std::size_t element) const {
+    const std::array<Scalar, 8>& h = value_[q * batches_ * at(lane_count<Scalar>) + element];
+    Mat3<Scalar> m;
+    m << h[0], h[5], h[4], h[5], h[1], h[3], h[4], h[3], h[2];
+    return m;
+  }
+
+ private:
+  using L = Lanes<Scalar>;
+
+  /// True if no twist mode of the batch exceeds mu/2. A bound: s_i + s_j <= 2 + 2/3 tr(e) + sqrt(2/3) |dev e|.
+  [[nodiscard]] COROTET_ALWAYS_INLINE static bool is_quiet(const SymmetricLanes& e, const L& pressure) {
+    constexpr auto third = Scalar(1.0 / 3);
+    const L trace = e[0] + e[1] + e[2];
+    const L norm2 = e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + L(2) * (e[3] * e[3] + e[4] * e[4] + e[5] * e[5]);
+    const L room = L(2 * third) * (L(1) - L(2) * pressure - trace);
+    const L quiet = select(room > L(0), room * room, L(0)) - L(2 * third) * (norm2 - L(third) * trace * trace);
+    return !(quiet < L(0)).any();
+  }
+
+  /// The eigenvectors (columns of v) of a symmetric matrix, whose diagonal becomes the eigenvalues: cyclic Jacobi
+  /// (Golub & Van Loan 2013, section 8.5).
+  static void diagonalise(Mat3Lanes<Scalar>& a, Mat3Lanes<Scalar>& v) {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) v(i, j) = L(i == j ? 1 : 0);
+    constexpr int sweeps = 5;  // quadratic convergence: enough for double
+    for (int sweep = 0; sweep < sweeps; ++sweep)
+      for (int p = 0; p < 3; ++p) {
+        const int q = (p + 1) % 3, k = (p + 2) % 3;
+        const L off = a(p, q) + a(p, q), difference = a(q, q) - a(p, p);
+        const L size = abs(difference) + sqrt(difference * difference + off * off);
+        const L t = select(size > L(0), select(difference < L(0), -off, off) / select(size > L(0), size, L(1)), L(0));
+        const L c = L(1) / sqrt(L(1) + t * t), s = t * c;
+        const L shift = t * a(p, q);
+        a(p, p) -= shift;
+        a(q, q) += shift;
+        a(p, q) = a(q, p) = L(0);
+        const L kp = a(k, p), kq = a(k, q);
+        a(k, p) = a(p, k) = c * kp - s * kq;
+        a(k, q) = a(q, k) = s * kp + c * kq;
+        for (int i = 0; i < 3; ++i) {
+          const L x = v(i, p), y = v(i, q);
+          v(i, p) = c * x - s * y;
+          v(i, q) = s * x + c * y;
+        }
+      }
+  }
+
+#if defined(__GNUC__)
+  __attribute__((noinline))
+#endif
+  void
+  compute(std::size_t place, const SymmetricLanes& strain, const L& pressure, const Mat3Lanes<Scalar>& r) {
+    Mat3Lanes<Scalar> e, n;
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3, k = (i + 2) % 3;
+      e(i, i) = strain[at(i)];
+      e(j, k) = e(k, j) = strain[at(3 + i)];
+    }
+    diagonalise(e, n);
+    const L trace = strain[0] + strain[1] + strain[2];
+    const L least = L(Scalar(1e-3)) * (L(1) + abs(trace + L(3)));  // of s_i + s_j, which an inversion may make zero
+    // Exact: all of each mode, or what is positive of it; else what exceeds mu/2.
+    const L threshold = L(Scalar(tangent_ == Tangent::exact ? 0 : 0.5));
+    const L lowest = L(projects_ ? Scalar(0) : std::numeric_limits<Scalar>::lowest());
+    SymmetricLanes h;
+    h.fill(L(0));
+    for (int k = 0; k < 3; ++k) {
+      const L sum = max(L(2) + trace - e(k, k), least);
+      const L stiffness = L(2) + (L(2) * pressure - L(4)) / sum;  // over mu
+      const L half = L(Scalar(0.5)) * max(stiffness - threshold, lowest);
+      Vec3Lanes<Scalar> axis;
+      for (int i = 0; i < 3; ++i) axis[at(i)] = r(i, 0) * n(0, k) + r(i, 1) * n(1, k) + r(i, 2) * n(2, k);
+      for (std::size_t i = 0; i < 3; ++i) {
+        h[i] += half * axis[i] * axis[i];
+        h[3 + i] += half * axis[(i + 1) % 3] * axis[(i + 2) % 3];
+      }
+    }
+    std::array<Scalar, 8>* const out = value_.data() + place * at(lane_count<Scalar>);
+    for (std::size_t i = 0; i < 6; ++i) {
+      const auto lanes = h[i].values();
+      for (std::size_t l = 0; l < lanes.size(); ++l) out[l][i] = lanes[l];
+    }
+  }
+
+  Tangent tangent_ = Tangent::plain;
+  bool projects_ = false;
+  std::size_t batches_ = 0;
+  std::vector<std::uint8_t> active_;          // [point][batch]
+  std::vector<std::array<Scalar, 8>> value_;  // [point][element], two of eight unused
+};
+
+}  // namespace corotet

@@ -1,0 +1,213 @@
+// Tangents of the elastic force: what each adds to the warped stiffness, against differences of the force.
+#include <corotet/assembly/twist_modes.hpp>
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+#include <algorithm>
+
+#include "support/bodies.hpp"
+#include "support/elastic_rig.hpp"
+
+namespace corotet {
+namespace {
+
+using testing::Random;
+using testing::rubber;
+
+/// An element in some state, for tests of its tangent.
+template <class Element>
+struct OneElement {
+  static constexpr int dofs = 3 * Element::nodes;
+  using Matrix = Eigen::Matrix<double, dofs, dofs>;
+  using Rigged = testing::Rig<double, Element>;
+
+  TetMesh<double, Element> mesh;
+  Field<double> u;
+
+  /// F is about `stretch`, turned, and not the same everywhere in a Tet10, whose edges are curved.
+  OneElement(const Mat3<double>& stretch, double variation, unsigned seed) : mesh(make(seed)) {
+    Random random(seed);
+    const Mat3<double> affine = random.rotation() * stretch;
+    u = testing::displacement_of(mesh, [&](const Vec3<double>& x) { return (affine * x).eval(); });
+    if (Element::order == 2) flat(u) += flat(testing::random_field<double>(10, variation, seed));
+  }
+
+  static TetMesh<double, Element> make(unsigned seed) {
+    MeshData data;
+    data.positions = {{0, 0, 0}, {1, 0.1, 0}, {0.2, 0.9, 0.1}, {0.1, 0.2, 1.1}};
+    data.connectivity = {0, 1, 2, 3};
+    if (Element::order == 2) {
+      Random random(seed + 100);
+      data = raise_order(data);
+      for (std::size_t v = 4; v < 10; ++v) data.positions[v] += random.vector(0.02);
+    }
+    return testing::must(TetMesh<double, Element>::create(data));
+  }
+
+  /// By differences of the force.
+  [[nodiscard]] Matrix hessian() const {
+    Rigged rig(mesh);
+    Matrix k;
+    const double h = 1e-6;
+    for (int c = 0; c < dofs; ++c) {
+      Field<double> forward = u, backward = u;
+      flat(forward)[c] += h;
+      flat(backward)[c] -= h;
+      k.col(c) = -(flat(rig.force(forward)) - flat(rig.force(backward))) / (2 * h);
+    }
+    return k;
+  }
+
+  /// As the library assembles it.
+  [[nodiscard]] Matrix tangent(Tangent kind, bool project = false) const {
+    Rigged rig(mesh, rubber, Dilatation::per_element, kind);
+    rig.state.twist.project(project);
+    return rig.dense_stiffness(u);
+  }
+
+  /// The sum over quadrature points of V f(e_ij) (mode)(mode)^T, with e_ij = 2 mu + 2 (lambda (tr S - 3) - 2 mu)/
+  /// (s_i + s_j) from the SVD of F; modes act on dF along U [axis] V^T / sqrt 2.
+  template <class Function>
+  [[nodiscard]] Matrix twist(Function&& function) const {
+    const auto [lambda, mu] = lame(rubber);
+    const Rigged rig(mesh);
+    Matrix sum = Matrix::Zero();
+    for (std::size_t q = 0; q < Element::stiffness_points.size(); ++q) {
+      const auto& point = rig.law.batches().front().point[q];
+      const Mat3<double> inverse = point.inverse_jacobian.lane(0);
+      Eigen::Matrix<double, 3, Element::nodes> gradient;  // of the shape functions in space, one a vertex
+      Mat3<double> f = Mat3<double>::Identity();
+      for (std::size_t a = 0; a < Element::nodes; ++a) {
+        const Index v = mesh.element(0)[a];
+        gradient.col(v) = inverse.transpose() * Eigen::Map<const Vec3<double>>(natural_gradients<Element>[q][a].data());
+        f += u[at(v)] * gradient.col(v).transpose();
+      }
+      const Eigen::JacobiSVD<Mat3<double>> svd(f, Eigen::ComputeFullU | Eigen::ComputeFullV);
+      Mat3<double> left = svd.matrixU();
+      Vec3<double> s = svd.singularValues();
+      if (f.determinant() < 0) {  // signed: R = U V^T must be a rotation
+        left.col(2) *= -1;
+        s[2] *= -1;
+      }
+      for (int axis = 0; axis < 3; ++axis) {
+        const int i = (axis + 1) % 3, j = (axis + 2) % 3;
+        Mat3<double> spin = Mat3<double>::Zero();
+        spin(i, j) = -std::sqrt(0.5);
+        spin(j, i) = std::sqrt(0.5);
+        const Eigen::Matrix<double, 3, Element::nodes> mode =
+            left * spin * svd.matrixV().transpose() * gradient;  // mode : dF/dx
+        const Eigen::Map<const Eigen::Matrix<double, dofs, 1>> nodal(mode.data());
+        const double stiffness = 2 * mu + 2 * (lambda * (s.sum() - 3) - 2 * mu) / (s[i] + s[j]);
+        sum += point.volume[0] * function(stiffness) * nodal * nodal.transpose();
+      }
+    }
+    return sum;
+  }
+};
+
+/// The warped stiffness is the Hessian of W without the twist modes; the library's twist modes are the rest of it.
+template <class Element>
+void expect_tangents_of_the_hessian(const Mat3<double>& stretch, unsigned seed) {
+  const double mu = lame(rubber).mu;
+  const OneElement<Element> element(stretch, 0.02, seed);
+  const auto warped = element.tangent(Tangent::plain), hessian = element.hessian();
+  const auto twist = element.twist([](double e) { return e; });
+  ASSERT_LT((hessian - warped - twist).norm(), 1e-6 * hessian.norm());
+  ASSERT_GT(twist.norm(), 1e-3 * hessian.norm()) << "the modes that are left out must matter here";
+
+  const double tolerance = 1e-9 * hessian.norm();
+  EXPECT_LT((element.tangent(Tangent::exact) - warped - twist).norm(), tolerance);
+  const auto positive = element.twist([](double e) { return std::max(e, 0.0); });
+  EXPECT_LT((element.tangent(Tangent::exact, true) - warped - positive).norm(), tolerance);
+  const auto excess = element.twist([mu](double e) { return std::max(e - mu / 2, 0.0); });
+  EXPECT_LT((element.tangent(Tangent::stretch_stable) - warped - excess).norm(), tolerance);
+}
+
+TEST(Tangents, AreTheHessianAndWhatTheyLeaveOutIsKnown) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Random random(seed);
+    for (const double size : {0.8, 1.0, 1.5, 3.0}) {  // squeezed, strained, stretched so that all modes are stiff
+      const Mat3<double> stretch = size * Mat3<double>::Identity() + random.matrix(0.15);
+      expect_tangents_of_the_hessian<Tet4>(stretch, seed);
+      expect_tangents_of_the_hessian<Tet10>(stretch, seed);
+    }
+  }
+}
+
+/// Where no mode is near mu/2 nothing is computed; wherever one exceeds it, something is.
+TEST(Tangents, StretchStableIsActiveWhereItMustBe) {
+  const auto is_active = [](const Vec3<double>& s) {
+    const OneElement<Tet4> element(s.asDiagonal(), 0, 1);
+    testing::Rig<double, Tet4> rig(element.mesh, rubber, Dilatation::per_element, Tangent::stretch_stable);
+    rig.law.evaluate(element.u, rig.state, rig.serial);
+    return rig.state.twist.any();
+  };
+  const auto [lambda, mu] = lame(rubber);
+  Random random(3);
+  int active = 0, needless = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const Vec3<double> s = Vec3<double>::Ones() + random.vector(0.3);
+    if (s.minCoeff() < 0.05) continue;
+    double stiffest = 0;
+    for (int i = 0; i < 3; ++i)
+      stiffest = std::max(stiffest, 2 * mu + 2 * (lambda * (s.sum() - 3) - 2 * mu) / (s.sum() - s[i]));
+    if (stiffest > 0.5 * mu) {
+      ++active;
+      EXPECT_TRUE(is_active(s)) << s.transpose();
+    } else {
+      needless += is_active(s) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(active, 200);
+  EXPECT_LT(needless, 100);
+  EXPECT_FALSE(is_active({1.2, 0.93, 0.93}));  // a bar pulled by a fifth
+}
+
+/// Whatever the element is squeezed or turned inside out to, tangents are finite, and semi-definite where they claim
+/// it.
+TEST(Tangents, AreFiniteForDegenerateElements) {
+  for (const Vec3<double>& s : {Vec3<double>(1, 1, 0), Vec3<double>(1, 0, 0), Vec3<double>(0, 0, 0),
+                                Vec3<double>(1, 1, -1), Vec3<double>(2, 1, -1), Vec3<double>(5, 0.1, -0.1),
+                                Vec3<double>(1e-9, 1e-9, -1e-9), Vec3<double>(100, 100, 100)}) {
+    const OneElement<Tet4> element(s.asDiagonal(), 0, 2);
+    for (const Tangent kind : {Tangent::stretch_stable, Tangent::exact}) {
+      const auto k = element.tangent(kind, true);
+      ASSERT_TRUE(k.allFinite()) << s.transpose();
+      EXPECT_EQ((k - k.transpose()).norm(), 0);
+      EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k, Eigen::EigenvaluesOnly).eigenvalues()[0],
+                -1e-12 * k.norm());
+      EXPECT_TRUE(element.tangent(kind).allFinite());
+    }
+  }
+}
+
+/// A few elements with mean dilatation or without: exact is the derivative of the force.
+template <class Element>
+void expect_exact_is_the_hessian(Dilatation dilatation, unsigned seed) {
+  const auto mesh = testing::distorted_block<double, Element>({.size = {1, 0.7, 0.5}, .cells = {1, 1, 1}}, 0.2, seed);
+  const Index dofs = 3 * mesh.vertex_count();
+  const Mat3<double> affine = Random(seed).rotation() * Vec3<double>(1.2, 0.9, 1.1).asDiagonal();
+  Field<double> u = testing::displacement_of(mesh, [&](const Vec3<double>& x) { return (affine * x).eval(); });
+  flat(u) += flat(testing::random_field<double>(mesh.vertex_count(), 0.02, seed));
+  testing::Rig<double, Element> rig(mesh, rubber, dilatation, Tangent::exact);
+  Eigen::MatrixXd hessian(dofs, dofs);
+  const double h = 1e-6;
+  for (int c = 0; c < dofs; ++c) {
+    Field<double> forward = u, backward = u;
+    flat(forward)[c] += h;
+    flat(backward)[c] -= h;
+    hessian.col(c) = -(flat(rig.force(forward)) - flat(rig.force(backward))) / (2 * h);
+  }
+  EXPECT_LT((rig.dense_stiffness(u) - hessian).norm(), 1e-6 * hessian.norm());
+}
+
+TEST(Tangents, ExactIsTheHessianWithMeanDilatationToo) {
+  for (const Dilatation dilatation : {Dilatation::per_element, Dilatation::mean}) {
+    expect_exact_is_the_hessian<Tet4>(dilatation, 1);
+    expect_exact_is_the_hessian<Tet10>(dilatation, 2);
+  }
+}
+
+}  // namespace
+}  // namespace corotet
