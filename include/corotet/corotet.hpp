@@ -1,6 +1,7 @@
 // Everything that needs Eigen alone. Opt-in headers (core/tbb_executor.hpp, solve/cholmod.hpp) are included by name.
 #pragma once
 
+#include <corotet/assembly/add_twist.hpp>
 #include <corotet/assembly/assemble.hpp>
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/assembly/block_pattern.hpp>
@@ -10,6 +11,7 @@
 #include <corotet/assembly/mass.hpp>
 #include <corotet/assembly/mean_dilatation.hpp>
 #include <corotet/assembly/strain.hpp>
+#include <corotet/assembly/twist_modes.hpp>
 #include <corotet/core/assert.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/lanes.hpp>
@@ -20,10 +22,15 @@
 #include <corotet/core/simd_pack.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/core/version.hpp>
+#include <corotet/dynamics/bdf2.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
+#include <corotet/dynamics/implicit_step.hpp>
+#include <corotet/dynamics/line_search.hpp>
+#include <corotet/dynamics/newton_options.hpp>
 #include <corotet/dynamics/pins.hpp>
 #include <corotet/dynamics/soft_body.hpp>
 #include <corotet/dynamics/step_bodies.hpp>
+#include <corotet/dynamics/step_equation.hpp>
 #include <corotet/dynamics/step_phase.hpp>
 #include <corotet/dynamics/step_report.hpp>
 #include <corotet/dynamics/system_era.hpp>

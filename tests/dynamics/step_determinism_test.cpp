@@ -1,6 +1,7 @@
 // A step allocates nothing, and gives the same bits twice and on any number of threads. Built with optimisation for
 // this machine's processor (tests/CMakeLists.txt): a compiler that contracts a * b + c can make two different loops of
 // one.
+#include <corotet/dynamics/bdf2.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <corotet/dynamics/step_bodies.hpp>
 #include <gtest/gtest.h>
@@ -113,14 +114,16 @@ TYPED_TEST(StepDeterminism, AStepAllocatesNothing) {
   using Element = typename TypeParam::Element;
   program::ThreadPool pool(2);
   start_threads(pool, 2);
-  const auto expect_none = [&](Dilatation dilatation, const SolverOptions& options) {
+  using Body = SoftBody<Scalar, Element>;
+  const auto expect_none = [&]<class Integrator = ImplicitEuler<Body>>(
+      Dilatation dilatation, const SolverOptions& options, const NewtonOptions& newton = {}) {
     auto body = must(SoftBody<Scalar, Element>::create(
         testing::block<Scalar, Element>({.size = {1, 0.2, 0.2}, .cells = {8, 2, 2}}), Material{.young = 5e5},
-        {.mass = MassModel::consistent, .damping = {}, .dilatation = dilatation}));
+        {.mass = MassModel::consistent, .damping = {.mass = 0, .stiffness = 1e-3}, .dilatation = dilatation}));
     body.pin_where([](const Vec3<Scalar>& x) { return x.x() == 0; });
     body.set_gravity({0, 0, Scalar(-9.81)});
     const Index led = body.pins().vertices().front();
-    ImplicitEuler euler(body, options);
+    Integrator euler(body, options, newton);
     const long before = testing::allocation_count;
     for (int step = 1; step < 5; ++step) {
       body.move_pin(led, body.position(led));
@@ -136,6 +139,10 @@ TYPED_TEST(StepDeterminism, AStepAllocatesNothing) {
         PreconditionerKind::rigid_aggregates, PreconditionerKind::warped_cholesky})
     expect_none(Dilatation::per_element, {.method = SolverMethod::pcg, .preconditioner = kind});
   expect_none(Dilatation::mean, {});
+  const NewtonOptions exact{.iterations = 5, .tolerance = 1e-3, .tangent = Tangent::exact};
+  expect_none(Dilatation::per_element, {}, exact);
+  expect_none.template operator()<Bdf2<Body>>(Dilatation::per_element, {});
+  expect_none.template operator()<Bdf2<Body>>(Dilatation::per_element, {}, exact);
 }
 
 TEST(AllocationCount, SeesAllocations) {

@@ -66,12 +66,13 @@ class SoftBody {
   Status set_displacements(std::span<const Vec3<Scalar>> displacement) {
     if (Status s = check_field("displacements", displacement); !s) return s;
     displacement_.assign(displacement.begin(), displacement.end());
-    revision_ = new_revision();
+    revision_ = motion_revision_ = new_revision();
     return {};
   }
   Status set_velocities(std::span<const Vec3<Scalar>> velocity) {
     if (Status s = check_field("velocities", velocity); !s) return s;
     velocity_.assign(velocity.begin(), velocity.end());
+    motion_revision_ = new_revision();
     return {};
   }
 
@@ -122,13 +123,17 @@ class SoftBody {
   /// copies of this one. Lets an integrator keep what it evaluated.
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
+  /// The same for displacements and velocities. Lets an integrator that remembers steps know that this is where the
+  /// last one ended.
+  [[nodiscard]] std::uint64_t motion_revision() const { return motion_revision_; }
+
   /// For integrators: takes the new state by exchange of buffers, which must be finite and of the body's length.
   void swap_state(Field<Scalar>& displacement, Field<Scalar>& velocity) {
     COROTET_ASSERT(displacement.size() == displacement_.size() && velocity.size() == velocity_.size(),
                    "the buffers belong to another body");
     displacement_.swap(displacement);
     velocity_.swap(velocity);
-    revision_ = new_revision();
+    revision_ = motion_revision_ = new_revision();
   }
 
  private:
@@ -166,6 +171,7 @@ class SoftBody {
   Vec3<Scalar> gravity_ = Vec3<Scalar>::Zero();
   std::uint64_t revision_ = new_revision();
   std::uint64_t material_revision_ = revision_;
+  std::uint64_t motion_revision_ = revision_;
 };
 
 }  // namespace corotet

@@ -14,6 +14,7 @@ enum class Refusal : std::uint8_t {
   external_force,    ///< the external force on `vertex` is not finite
   pin_target,        ///< the target of pin `vertex` is not finite
   solver_options,    ///< the solver's tolerance or iteration limit is out of range
+  newton_options,    ///< the tolerance or iteration limit of Newton's method is out of range
   solver_breakdown,  ///< the matrix is not positive definite, or its entries left the range of the scalar
   overflow           ///< the new velocity is not finite in this precision
 };
@@ -21,18 +22,21 @@ enum class Refusal : std::uint8_t {
 /// How a step ended. What describes deformation is of the state after the step, and not filled in if it was refused.
 struct StepReport {
   Refusal refusal = Refusal::none;
-  Index vertex = -1;            ///< the culprit, where `refusal` names one
-  bool converged = true;        ///< the linear solve reached its tolerance
-  int iterations = 0;           ///< of conjugate gradients, or corrections of a direct solution
-  double residual = 0;          ///< relative residual of the linear solve
-  Index inverted_elements = 0;  ///< elements turned inside out somewhere
-  double largest_rotation = 0;  ///< of any element against its rest orientation, rad, 0 ... pi
-  double largest_strain = 0;    ///< of any element, Frobenius norm of sym(R^T F) - I, dimensionless
+  Index vertex = -1;             ///< the culprit, where `refusal` names one
+  bool converged = true;         ///< each linear solve reached its tolerance
+  int iterations = 0;            ///< of conjugate gradients, or corrections of a direct solution, all solves together
+  double residual = 0;           ///< relative residual of the linear solve, the worst
+  int newton_iterations = 0;     ///< linear solves
+  bool newton_converged = true;  ///< Newton's method reached its tolerance; one solve a step: nothing was asked
+  double newton_residual = 0;    ///< estimate of the error left, relative, see NewtonOptions; one solve: not known
+  Index inverted_elements = 0;   ///< elements turned inside out somewhere
+  double largest_rotation = 0;   ///< of any element against its rest orientation, rad, 0 ... pi
+  double largest_strain = 0;     ///< of any element, Frobenius norm of sym(R^T F) - I, dimensionless
 
   [[nodiscard]] bool accepted() const { return refusal == Refusal::none; }
 
   /// Accepted, and nothing to complain of.
-  [[nodiscard]] bool ok() const { return accepted() && converged && inverted_elements == 0; }
+  [[nodiscard]] bool ok() const { return accepted() && converged && newton_converged && inverted_elements == 0; }
 
   /// What to change, in one sentence; "" if all is well. The worst problem only.
   [[nodiscard]] const char* advice() const {
@@ -47,10 +51,11 @@ struct StepReport {
         return "the target position of the named pin must be finite";
       case Refusal::solver_options:
         return "the solver's tolerance must be between 0 and 1, and max_iterations not negative";
+      case Refusal::newton_options:
+        return "Newton's tolerance must be between 0 and 1, and its iterations at least 1";
       case Refusal::solver_breakdown:
         return "the step's matrix is not positive definite in this precision: use double, a smaller time step, or "
-               "better "
-               "shaped elements";
+               "better shaped elements";
       case Refusal::overflow:
         return "the new state is too large for this precision: use smaller forces or steps";
       case Refusal::none:
@@ -58,6 +63,9 @@ struct StepReport {
     }
     if (!converged)
       return "the solver stopped short of its tolerance: raise max_iterations, loosen the tolerance, or use double";
+    if (!newton_converged)
+      return "Newton's method stopped short of its tolerance: raise its iterations, use the exact tangent, or smaller "
+             "steps";
     if (inverted_elements > 0) return "elements are inverted: use smaller steps, gentler pins, or a stiffer material";
     return "";
   }

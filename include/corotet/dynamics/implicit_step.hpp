@@ -1,0 +1,233 @@
+// The implicit solve that all integrators share.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <corotet/core/assert.hpp>
+#include <corotet/core/executor.hpp>
+#include <corotet/core/types.hpp>
+#include <corotet/dynamics/line_search.hpp>
+#include <corotet/dynamics/newton_options.hpp>
+#include <corotet/dynamics/soft_body.hpp>
+#include <corotet/dynamics/step_equation.hpp>
+#include <corotet/dynamics/step_phase.hpp>
+#include <corotet/dynamics/step_report.hpp>
+#include <corotet/solve/solver.hpp>
+#include <limits>
+#include <utility>
+
+namespace corotet {
+
+/// Solves a StepFormula, by one linear solve or by Newton's method, and moves the body. Owns all that a step needs
+/// besides the body: made once for a body and its copies, then `advance` allocates nothing.
+template <class Body, class Solver>
+  requires LinearSolver<Solver, typename Body::scalar_type>
+class ImplicitStep {
+ public:
+  using Scalar = typename Body::scalar_type;
+
+  /// Symbolic work and memory. `linearised_ahead`: whether formulas will ask for it.
+  ImplicitStep(const Body& body, Solver solver, const NewtonOptions& newton, bool linearised_ahead)
+      : options_(newton),
+        solver_(std::move(solver)),
+        equation_(body, newton.tangent, linearised_ahead || newton.iterations > 1),
+        change_(at(body.vertex_count()), Vec3<Scalar>::Zero()),
+        velocity_(change_),
+        displacement_(change_) {
+    solver_.analyze(body.pattern(), body.mesh().positions());
+  }
+
+  [[nodiscard]] const Solver& solver() const { return solver_; }
+  [[nodiscard]] const NewtonOptions& options() const { return options_; }
+
+  /// What keeps a step of `h` seconds from being tried, before anything is computed.
+  [[nodiscard]] StepReport check(const Body& body, Scalar h) const {
+    COROTET_ASSERT(body.pattern() == equation_.matrix().shared_pattern(), "this integrator was made for another body");
+    if (!(h > 0) || !std::isfinite(h)) return refused({}, Refusal::time_step);
+    if (options_.iterations < 1 || !(options_.tolerance > 0 && options_.tolerance < 1))
+      return refused({}, Refusal::newton_options);
+    if (!body.gravity().allFinite()) return refused({}, Refusal::gravity);
+    const auto force = body.external_forces();
+    for (std::size_t v = 0; v < force.size(); ++v)
+      if (!force[v].allFinite()) return refused({}, Refusal::external_force, static_cast<Index>(v));
+    for (std::size_t p = 0; p < body.pins().targets().size(); ++p)
+      if (!body.pins().targets()[p].allFinite()) return refused({}, Refusal::pin_target, body.pins().vertices()[p]);
+    return {};
+  }
+
+  /// Moves the body as `formula` says; a refused step leaves it untouched. The formula's fields may be the body's.
+  template <Executor E, StepObserver O>
+  StepReport advance(Body& body, const StepFormula<Scalar>& formula, E& executor, O& observer) {
+    StepReport report;
+    observer(StepPhase::assembly);
+    equation_.project_twist(false);
+    start(body, formula, executor);
+    const bool newton = options_.iterations > 1;
+    bool projected = false;
+    double first_change = 0, last_decrement2 = 0, energy = 0, rounding = 0;
+    for (bool done = false; !done;) {
+      const bool first = report.newton_iterations == 0;
+      equation_.build_matrix(body, formula.c, first, executor);
+      if (first) build_first_right_side(body, formula, executor);
+      equation_.isolate_pins(body);
+
+      observer(StepPhase::solve);
+      const SolveStatus status = solve(body, report, executor);
+      const double decrement2 = newton ? equation_.right_side_dot(change_, executor) : 0;  // g . A^-1 g
+      if ((status == SolveStatus::breakdown || decrement2 < 0) && options_.tangent == Tangent::exact && !projected) {
+        observer(StepPhase::assembly);
+        projected = true;
+        equation_.project_twist(true);
+        if (first)
+          start(body, formula, executor);
+        else
+          equation_.evaluate(body, displacement_, executor);
+        continue;
+      }
+      if (status == SolveStatus::breakdown) return refused(report, Refusal::solver_breakdown);
+      if (status == SolveStatus::invalid_options) return refused(report, Refusal::solver_options);
+      ++report.newton_iterations;
+      report.converged = report.converged && status == SolveStatus::converged;
+
+      observer(StepPhase::update);
+      const double gradient = newton ? equation_.right_side_norm(executor) : 0;
+      double fraction = 1;
+      bool rounding_hides = false;
+      if (newton && first) {
+        first_change = std::sqrt(decrement2);
+        rounding = equation_.position_rounding(body, formula.c, executor);
+      }
+      if (newton && !first && Body::Law::is_conservative) {  // the first guess may not have the pins where they go
+        const double noise = energy_noise(energy, rounding);
+        rounding_hides =
+            decrement2 <= rounding * rounding || (decrement2 <= noise && decrement2 > 0.8 * last_decrement2);
+        fraction = search_line(body, formula, decrement2, noise, energy, executor);
+      }
+      flat(velocity_) += static_cast<Scalar>(fraction) * flat(change_);
+      place(body, formula);
+      if (!flat(velocity_).allFinite() || !flat(displacement_).allFinite()) return refused(report, Refusal::overflow);
+      if (!newton) break;
+
+      if (first) energy = body.law().energy(displacement_);
+      equation_.evaluate(body, displacement_, executor);
+      equation_.linearise_here(body, formula, velocity_, executor);
+      // What a correction of this size leaves if the error has shrunk as the gradient has.
+      const double shrunk = gradient > 0 ? std::min(1.0, equation_.right_side_norm(executor) / gradient) : 0.0;
+      const double left = std::sqrt(decrement2) * shrunk;
+      report.newton_residual = first_change > 0 ? left / first_change : 0;
+      report.newton_converged = fraction == 1 && (left <= options_.tolerance * first_change || rounding_hides);
+      last_decrement2 = decrement2;
+      done = report.newton_converged || fraction == 0 || report.newton_iterations >= options_.iterations;
+      if (!done) observer(StepPhase::assembly);
+    }
+
+    body.swap_state(displacement_, velocity_);
+    if (newton && !projected) equation_.adopt(body);
+    equation_.project_twist(false);
+    equation_.evaluate(body, executor);
+    const DeformationExtremes worst = equation_.worst();
+    report.inverted_elements = worst.inverted_elements;
+    report.largest_rotation = worst.largest_rotation();
+    report.largest_strain = worst.largest_strain();
+    return report;
+  }
+
+  /// After an accepted step: exchanges the state that the body had before it for buffers of the same length.
+  void swap_previous_state(Field<Scalar>& displacement, Field<Scalar>& velocity) {
+    displacement_.swap(displacement);
+    velocity_.swap(velocity);
+  }
+
+ private:
+  static StepReport refused(StepReport report, Refusal why, Index vertex = -1) {
+    report.refusal = why;
+    report.vertex = vertex;
+    report.converged = false;
+    return report;
+  }
+
+  /// Evaluates where the force is linearised first. velocity_: a guess, from which the first solve finds the change:
+  /// vbar with the pins' velocities put in, or where the force is linearised ahead, that state's.
+  template <Executor E>
+  void start(const Body& body, const StepFormula<Scalar>& formula, E& executor) {
+    if (formula.ahead == 0) {
+      velocity_ = formula.velocity;
+      for (std::size_t p = 0; p < body.pins().vertices().size(); ++p)
+        velocity_[at(body.pins().vertices()[p])] = pin_velocity(body, formula, p);
+      equation_.evaluate(body, executor);
+    } else {
+      flat(displacement_) = flat(body.displacements()) + formula.ahead * flat(body.velocities());
+      flat(velocity_) = (flat(displacement_) - flat(formula.position)) / formula.c;
+      equation_.evaluate(body, displacement_, executor);
+    }
+  }
+
+  /// Puts the pins' velocities into velocity_, if they are not there. A pin that jumps so pulls at the body as in
+  /// linear elasticity, and where the force is linearised nothing is torn.
+  template <Executor E>
+  void build_first_right_side(const Body& body, const StepFormula<Scalar>& formula, E& executor) {
+    if (formula.ahead == 0) return equation_.linearise_at_rest(body, formula, velocity_, executor);
+    equation_.linearise_here(body, formula, velocity_, executor);
+    for (std::size_t p = 0; p < body.pins().vertices().size(); ++p) {
+      Vec3<Scalar>& here = velocity_[at(body.pins().vertices()[p])];
+      const Vec3<Scalar> change = pin_velocity(body, formula, p) - here;
+      equation_.lead(body.pins().vertices()[p], change);
+      here += change;
+    }
+  }
+
+  [[nodiscard]] static Vec3<Scalar> pin_velocity(const Body& body, const StepFormula<Scalar>& formula,
+                                                 std::size_t pin) {
+    return (body.pins().targets()[pin] - formula.position[at(body.pins().vertices()[pin])]) / formula.c;
+  }
+
+  /// displacement_ = xbar + c (velocity_ + fraction change_), and the pins exactly where they go.
+  void place(const Body& body, const StepFormula<Scalar>& formula, Scalar fraction = 0) {
+    if (fraction == 0)
+      flat(displacement_) = flat(formula.position) + formula.c * flat(velocity_);
+    else
+      flat(displacement_) = flat(formula.position) + formula.c * (flat(velocity_) + fraction * flat(change_));
+    for (std::size_t p = 0; p < body.pins().vertices().size(); ++p)
+      displacement_[at(body.pins().vertices()[p])] = body.pins().targets()[p];
+  }
+
+  template <Executor E>
+  [[nodiscard]] SolveStatus solve(const Body& body, StepReport& report, E& executor) {
+    const StepSystem<Scalar> system{equation_.matrix(), equation_.right_side(), body.displacements(),
+                                    body.pins().vertices(), equation_.era()};
+    const SolveReport solve = solver_.solve(system, change_, executor);
+    report.iterations += solve.iterations;
+    report.residual = std::max(report.residual, solve.residual);
+    return solve.status;
+  }
+
+  /// What rounding may add to the elastic energy (J): relative to itself, and by the forces on positions that are
+  /// rounded at random.
+  [[nodiscard]] double energy_noise(double energy, double rounding) const {
+    const double vertices = static_cast<double>(change_.size());
+    return 16 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) * energy +
+           rounding * (std::sqrt(2 * energy / vertices) + rounding / vertices);
+  }
+
+  /// The fraction of change_ that lowers the incremental energy |x - xtilde|^2_M / 2 c^2 + W(x) - f_ext . x + D's
+  /// part; `elastic` is W before and after, J. The terms that are quadratic in v are taken as differences: those that
+  /// grow with velocity and with the distance from rest cancel without rounding.
+  template <Executor E>
+  [[nodiscard]] double search_line(const Body& body, const StepFormula<Scalar>& formula, double decrement2,
+                                   double noise, double& elastic, E& executor) {
+    const auto along = equation_.along(body, formula.c, change_, executor);
+    const double before = elastic, slope = along.elastic - decrement2;
+    return backtrack(-decrement2, noise, [&](double fraction) {
+      place(body, formula, static_cast<Scalar>(fraction));
+      elastic = body.law().energy(displacement_);
+      return fraction * (slope + fraction * along.curvature / 2) + elastic - before;
+    });
+  }
+
+  NewtonOptions options_;
+  Solver solver_;
+  StepEquation<Body> equation_;
+  Field<Scalar> change_, velocity_, displacement_;
+};
+
+}  // namespace corotet

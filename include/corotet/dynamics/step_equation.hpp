@@ -1,0 +1,220 @@
+// The equation of one step and its linearisation.
+#pragma once
+
+#include <cmath>
+#include <corotet/assembly/add_twist.hpp>
+#include <corotet/assembly/assemble.hpp>
+#include <corotet/assembly/block_matrix.hpp>
+#include <corotet/core/executor.hpp>
+#include <corotet/core/types.hpp>
+#include <corotet/dynamics/system_era.hpp>
+#include <corotet/solve/range_sum.hpp>
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+namespace corotet {
+
+/// What an integrator asks for: v = vbar + c M^-1 (f_ext + f_el(x) - D v), x = xbar + c v.
+template <std::floating_point Scalar>
+struct StepFormula {
+  Scalar c;                       ///< s
+  const Field<Scalar>& position;  ///< xbar, as displacement from rest, m
+  const Field<Scalar>& velocity;  ///< vbar, m/s
+  /// Where the force is linearised first: 0: in the body's present state; otherwise where that will be in this time (s)
+  /// at its present velocity.
+  Scalar ahead = 0;
+};
+
+/// With the force linearised at x_k = xbar + c v_k, f_el(x) = f_el(x_k) - K (x - x_k), the new velocity of a
+/// StepFormula follows from A v = M vbar + c (f_ext + f_el(x_k)) + c^2 K v_k, A = M + c D + c^2 K. K is the Tangent
+/// asked for, and D = a M + b K' with the warped stiffness K' where the step's force is linearised first: so damping
+/// has a potential in each step, and the torques of the exact tangent do not enter it.
+template <class Body>
+class StepEquation {
+ public:
+  using Scalar = typename Body::scalar_type;
+
+  /// Memory. `linearised_often`: whether the equation is linearised at other velocities than v_k = 0.
+  StepEquation(const Body& body, Tangent tangent, bool linearised_often)
+      : evaluation_(body.law(), tangent),
+        matrix_(body.pattern()),
+        right_side_(at(body.vertex_count()), Vec3<Scalar>::Zero()),
+        sums_(body.vertex_count()) {
+    if (body.damping().stiffness > 0 && linearised_often) damping_.emplace(body.pattern());
+  }
+
+  [[nodiscard]] const BlockMatrix<Scalar>& matrix() const { return matrix_; }
+  [[nodiscard]] const Field<Scalar>& right_side() const { return right_side_; }
+  [[nodiscard]] std::uint64_t era() const { return era_number_; }
+  [[nodiscard]] DeformationExtremes worst() const { return evaluation_.worst(); }
+
+  /// See TwistModes::project: from the next evaluation on.
+  void project_twist(bool on) {
+    const bool before = evaluation_.twist.projects();
+    evaluation_.twist.project(on);
+    if (evaluation_.twist.projects() != before) revision_ = 0;
+  }
+
+  /// Evaluates the body's displacement, unless that is what was evaluated last.
+  template <Executor E>
+  void evaluate(const Body& body, E& executor) {
+    if (revision_ == body.revision()) return;
+    body.law().evaluate(body.displacements(), evaluation_, executor);
+    revision_ = body.revision();
+  }
+
+  /// Evaluates another displacement.
+  template <Executor E>
+  void evaluate(const Body& body, const Field<Scalar>& displacement, E& executor) {
+    revision_ = 0;
+    body.law().evaluate(displacement, evaluation_, executor);
+  }
+
+  /// The displacement that was evaluated last is the body's now.
+  void adopt(const Body& body) { revision_ = body.revision(); }
+
+  /// matrix = A at the evaluated state. `first`: of this step.
+  template <Executor E>
+  void build_matrix(const Body& body, Scalar c, bool first, E& executor) {
+    const Scalar mass = mass_factor(body, c), viscosity = damping_factor(body, c);
+    if (first && damping_) assemble(body.law(), evaluation_, body.mass(), Scalar(0), Scalar(1), *damping_, executor);
+    assemble(body.law(), evaluation_, body.mass(), mass, first ? c * (c + body_damping(body)) : c * c, matrix_,
+             executor);
+    if (!first && damping_) matrix_.add(viscosity, *damping_, executor);
+    if (evaluation_.twist.any()) add_twist(evaluation_, c * c, matrix_, executor);
+    era_number_ = era_.of({double(mass), double(c * c + viscosity), body.material_revision(), body.pins().revision()});
+  }
+
+  /// right_side = M vbar + c f - A v: of the equation for the change of v, where v_k = 0.
+  template <Executor E>
+  void linearise_at_rest(const Body& body, const StepFormula<Scalar>& formula, const Field<Scalar>& v, E& executor) {
+    // The rows of A sum to (1 + c a) times those of M, because those of all stiffnesses sum to zero.
+    const Scalar mass = mass_factor(body, formula.c);
+    for_rows(body, executor, [&](Index i) {
+      right_side_[at(i)] = body.mass().row_product(*body.pattern(), i, formula.velocity) -
+                           mass * body.mass().row_sum(i) * v[at(i)] - difference(matrix_, i, v) +
+                           formula.c * force(body, i);
+    });
+  }
+
+  /// The same where v = v_k, without A: right_side = M (vbar - v) + c (f_ext + f_el - D v), minus the gradient of the
+  /// incremental energy. Zero at pins.
+  template <Executor E>
+  void linearise_here(const Body& body, const StepFormula<Scalar>& formula, const Field<Scalar>& v, E& executor) {
+    for_rows(body, executor, [&](Index i) {
+      right_side_[at(i)] = body.mass().row_product(*body.pattern(), i, formula.velocity) -
+                           inertia(body, formula.c, i, v) + formula.c * force(body, i);
+    });
+    for (const Index p : body.pins().vertices()) right_side_[at(p)].setZero();
+  }
+
+  /// What a change of a pin's velocity adds to the right side.
+  void lead(Index pin, const Vec3<Scalar>& change) {
+    const BlockPattern& pattern = matrix_.pattern();
+    for (Index k = pattern.row_start[at(pin)]; k < pattern.row_start[at(pin) + 1]; ++k)
+      right_side_[at(pattern.column[at(k)])] -= matrix_.block(k).transpose() * change;
+  }
+
+  /// Makes the pins' equations stand alone, with no change.
+  void isolate_pins(const Body& body) {
+    for (const Index v : body.pins().vertices()) {
+      right_side_[at(v)].setZero();
+      matrix_.isolate(v);
+    }
+  }
+
+  /// d . (M + c D) d, J, and c d . f_el, J, at the evaluated state.
+  struct AlongLine {
+    double curvature, elastic;
+  };
+  template <Executor E>
+  [[nodiscard]] AlongLine along(const Body& body, Scalar c, const Field<Scalar>& d, E& executor) {
+    const auto sums = sums_(executor, [&](Index begin, Index end) {
+      Sums part{};
+      for (Index i = begin; i < end; ++i) {
+        part[0] += static_cast<double>(d[at(i)].dot(inertia(body, c, i, d)));
+        part[1] += static_cast<double>(d[at(i)].dot(evaluation_.vertex_force(*body.pattern(), i)));
+      }
+      return part;
+    });
+    return {sums[0], double(c) * sums[1]};
+  }
+
+  /// right_side . d.
+  template <Executor E>
+  [[nodiscard]] double right_side_dot(const Field<Scalar>& d, E& executor) {
+    return sums_(executor, [&](Index begin, Index end) { return Sums{range_dot(right_side_, d, begin, end), 0}; })[0];
+  }
+
+  /// |right_side| in the norm of the inverse of the matrix's diagonal.
+  template <Executor E>
+  [[nodiscard]] double right_side_norm(E& executor) {
+    return std::sqrt(sums_(executor, [&](Index begin, Index end) {
+      double sum = 0;
+      for (Index i = begin; i < end; ++i)
+        sum += static_cast<double>(right_side_[at(i)].squaredNorm()) / static_cast<double>(matrix_.diagonal(i).trace());
+      return Sums{sum, 0};
+    })[0]);
+  }
+
+  /// How far the rounding of positions goes in the energy norm of velocities, sqrt(J): no correction is worth less.
+  template <Executor E>
+  [[nodiscard]] double position_rounding(const Body& body, Scalar c, E& executor) {
+    const double sum = sums_(executor, [&](Index begin, Index end) {
+      double part = 0;
+      for (Index i = begin; i < end; ++i) {
+        const Scalar size2 = body.mesh().position(i).squaredNorm() + body.displacements()[at(i)].squaredNorm();
+        part += static_cast<double>(matrix_.diagonal(i).trace()) / 3 * static_cast<double>(size2);
+      }
+      return Sums{part, 0};
+    })[0];
+    return 4 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) / double(c) * std::sqrt(sum);
+  }
+
+ private:
+  using Sums = RangeSums<2>::Sums;
+
+  [[nodiscard]] static Scalar mass_factor(const Body& body, Scalar c) {
+    return static_cast<Scalar>(1 + c * body.damping().mass);
+  }
+  [[nodiscard]] static Scalar body_damping(const Body& body) { return static_cast<Scalar>(body.damping().stiffness); }
+  [[nodiscard]] static Scalar damping_factor(const Body& body, Scalar c) { return c * body_damping(body); }
+
+  /// f_ext + f_el of a vertex at the evaluated state, N.
+  [[nodiscard]] Vec3<Scalar> force(const Body& body, Index i) const {
+    return evaluation_.vertex_force(*body.pattern(), i) + body.external_forces()[at(i)] +
+           body.mass().row_sum(i) * body.gravity();
+  }
+
+  /// ((M + c D) v) of a vertex.
+  [[nodiscard]] Vec3<Scalar> inertia(const Body& body, Scalar c, Index i, const Field<Scalar>& v) const {
+    Vec3<Scalar> sum = mass_factor(body, c) * body.mass().row_product(*body.pattern(), i, v);
+    if (damping_) sum += damping_factor(body, c) * difference(*damping_, i, v);
+    return sum;
+  }
+
+  [[nodiscard]] static Vec3<Scalar> difference(const BlockMatrix<Scalar>& matrix, Index i, const Field<Scalar>& v) {
+    Vec3<Scalar> product;
+    matrix.row_difference(i, v).template store_part<3>(product.data());
+    return product;
+  }
+
+  template <Executor E, std::invocable<Index> Row>
+  static void for_rows(const Body& body, E& executor, Row&& row) {
+    for_ranges(executor, body.vertex_count(), BlockMatrix<Scalar>::row_grain, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i) row(i);
+    });
+  }
+
+  typename Body::Law::Evaluation evaluation_;
+  BlockMatrix<Scalar> matrix_;
+  std::optional<BlockMatrix<Scalar>> damping_;  // K' of D, where A alone does not do
+  Field<Scalar> right_side_;
+  RangeSums<2> sums_;
+  std::uint64_t revision_ = 0;  // of the body's state in evaluation_; 0: of another
+  SystemEra era_;
+  std::uint64_t era_number_ = 0;
+};
+
+}  // namespace corotet

@@ -1,0 +1,252 @@
+// Newton's method within a step, and the tangents that it may use.
+#include <corotet/dynamics/bdf2.hpp>
+#include <corotet/dynamics/implicit_euler.hpp>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "support/bodies.hpp"
+#include "support/solver_instances.hpp"
+
+namespace corotet {
+namespace {
+
+using testing::must;
+
+constexpr Material soft{.young = 5e5, .poisson = 0.3, .density = 1000};
+constexpr SolverOptions direct{.method = SolverMethod::cholesky, .tolerance = 1e-12};
+constexpr std::array all_tangents{Tangent::plain, Tangent::stretch_stable, Tangent::exact};
+
+/// Tip deflections of converged backward Euler at 1/60 s with consistent mass, by independent programs.
+TEST(Newton, ReproducesTheConvergedReferenceBeam) {
+  auto body = testing::cantilever<double, Tet4>(
+      {.corner = {0, -0.1, -0.1}, .size = {1, 0.2, 0.2}, .cells = {20, 4, 4}, .split = BlockSplit::kuhn6}, soft, 9.81,
+      {.mass = MassModel::consistent, .damping = {}});
+  ImplicitEuler euler(body, SolverOptions{.tolerance = 1e-4},
+                      NewtonOptions{.iterations = 10, .tolerance = 1e-5, .tangent = Tangent::exact});
+  const Index tip = body.mesh().nearest_vertex({1, 0, 0});
+  int solves = 0;
+  for (int step = 1; step <= 60; ++step) {
+    const StepReport report = euler.step(body, 1.0 / 60);
+    ASSERT_TRUE(report.ok()) << report.advice();
+    EXPECT_LE(report.newton_residual, 1e-5);
+    solves += report.newton_iterations;
+    const double z = body.displacements()[at(tip)].z();
+    const double expected = step == 15 ? -0.39337 : step == 30 ? -0.76457 : step == 60 ? -0.23199 : z;
+    EXPECT_NEAR(z, expected, 1e-5) << "after " << step << " steps";
+  }
+  EXPECT_LE(solves, 4 * 60);
+}
+
+/// A step of a body far from rest, in motion, with damping and a pin that moves: enough to need several solves.
+template <class Element>
+SoftBody<double, Element> hard_step() {
+  auto body = testing::cantilever<double, Element>({.size = {1, 0.2, 0.2}, .cells = {4, 1, 1}}, soft, 9.81,
+                                                   {.damping = {.mass = 0.5, .stiffness = 0.002}});
+  must(body.set_displacements(testing::displacement_of(body.mesh(), [](const Vec3<double>& x) {
+    return Vec3<double>(1.15 * x.x(), x.y() * (1 + 0.1 * x.x()), x.z() + 0.2 * x.x() * x.x());
+  })));
+  must(body.set_velocities(testing::displacement_of(body.mesh(), [](const Vec3<double>& x) {
+    return Vec3<double>(x.x(), x.y() + 2 * x.x(), x.z() - 4 * x.x() * x.x());
+  })));
+  const Index led = body.pins().vertices().front();
+  body.move_pin(led, body.position(led) + Vec3<double>(0.01, 0.01, 0));
+  return body;
+}
+
+/// The distance of k solves from the solution, k = 1, 2, ...
+template <class Body>
+std::vector<double> errors_of_solves(const Body& start, Tangent tangent, int most) {
+  const auto after = [&](int solves) {
+    Body body = start;
+    ImplicitEuler euler(body, direct, {.iterations = solves, .tolerance = 1e-15, .tangent = tangent});
+    EXPECT_TRUE(euler.step(body, 1.0 / 60).accepted());
+    return body;
+  };
+  const Body solution = after(60);
+  std::vector<double> errors;
+  for (int k = 1; k <= most; ++k)
+    errors.push_back((flat(after(k).displacements()) - flat(solution.displacements())).norm());
+  return errors;
+}
+
+template <class Element>
+void expect_quadratic_convergence() {
+  const std::vector<double> exact = errors_of_solves(hard_step<Element>(), Tangent::exact, 5);
+  const std::vector<double> plain = errors_of_solves(hard_step<Element>(), Tangent::plain, 5);
+  for (int k = 0; k < 5; ++k) std::printf("%d solves: exact %.1e plain %.1e\n", k + 1, exact[at(k)], plain[at(k)]);
+  for (std::size_t k = 1; k < 4; ++k) EXPECT_LT(exact[k + 1], 20 * exact[k] * exact[k] + 1e-14) << k + 1 << " solves";
+  EXPECT_GT(plain[3], 1e-9);
+}
+
+TEST(Newton, ConvergesQuadraticallyWithTheExactTangent) {
+  expect_quadratic_convergence<Tet4>();
+  expect_quadratic_convergence<Tet10>();
+}
+
+/// Which tangent is used does not change what is solved, damping included.
+TEST(Newton, AllTangentsFindTheSameState) {
+  const auto start = hard_step<Tet10>();
+  std::vector<SoftBody<double, Tet10>> solution;
+  for (const Tangent tangent : all_tangents) {
+    solution.push_back(start);
+    ImplicitEuler euler(solution.back(), direct, {.iterations = 100, .tolerance = 1e-11, .tangent = tangent});
+    const StepReport report = euler.step(solution.back(), 1.0 / 60);
+    EXPECT_TRUE(report.newton_converged) << name_of(tangent) << report.newton_residual;
+    EXPECT_LT((flat(solution.back().displacements()) - flat(solution.front().displacements())).norm(), 1e-9);
+  }
+}
+
+template <class T>
+class NewtonSteps : public ::testing::Test {};
+using Cases = ::testing::Types<testing::Case<float, Tet4>, testing::Case<double, Tet10>>;
+TYPED_TEST_SUITE(NewtonSteps, Cases);
+
+template <class Scalar, class Element>
+SoftBody<Scalar, Element> bar(const Material& material) {
+  const std::array<Index, 3> cells =
+      Element::order == 1 ? std::array<Index, 3>{8, 2, 2} : std::array<Index, 3>{5, 1, 1};
+  return must(SoftBody<Scalar, Element>::create(
+      testing::block<Scalar, Element>({.corner = {0, -0.1, -0.1}, .size = {1, 0.2, 0.2}, .cells = cells}), material));
+}
+
+template <class Body>
+double largest_speed(const Body& body) {
+  double largest = 0;
+  for (const auto& v : body.velocities()) largest = std::max(largest, double(v.norm()));
+  return largest;
+}
+
+/// A bar held at several times its length comes to rest, with the default options too: one plain solve a step buzzes
+/// for ever. (Thinner than 1 + 1/nu times its length there is no rest, whatever the integrator.)
+TYPED_TEST(NewtonSteps, AStretchedBarComesToRest) {
+  using Scalar = typename TypeParam::Scalar;
+  struct Held {
+    double stretch, poisson;
+  };
+  double plain = 0;
+  for (const Held& held : {Held{3, 0.3}, Held{4, 0.3}, Held{5, 0}, Held{8, 0}}) {
+    const auto speed_with = [&](const NewtonOptions& newton) {
+      auto body = bar<Scalar, typename TypeParam::Element>({.young = 5e5, .poisson = held.poisson});
+      const double side = 1 - held.poisson * (held.stretch - 1);
+      const Field<Scalar> noise = testing::random_field<Scalar>(body.vertex_count(), 1e-3, 1);
+      auto u = testing::displacement_of(body.mesh(), [&](const Vec3<double>& x) {
+        return x.cwiseProduct(Vec3<double>(held.stretch, side, side)).eval();
+      });
+      flat(u) += flat(noise);
+      must(body.set_displacements(u));
+      for (Index v = 0; v < body.vertex_count(); ++v) {
+        const Scalar x = body.mesh().position(v).x();
+        if (x < Scalar(1e-6) || x > Scalar(1 - 1e-6)) body.pins().pin(v, {x * Scalar(held.stretch - 1), 0, 0});
+      }
+      ImplicitEuler euler(body, SolverOptions{}, newton);
+      for (int step = 0; step < 120; ++step) EXPECT_TRUE(euler.step(body, Scalar(1.0 / 60)).accepted());
+      return largest_speed(body);
+    };
+    const double resting = sizeof(Scalar) == 4 ? 1e-3 : 1e-6;  // m/s; float rounds positions to 1e-7 m, 1e-5 m/s
+    EXPECT_LT(speed_with({}), resting) << "x" << held.stretch;
+    EXPECT_LT(speed_with({.iterations = 10, .tangent = Tangent::exact}), resting) << "x" << held.stretch;
+    plain = std::max(plain, speed_with({.tangent = Tangent::plain}));
+  }
+  EXPECT_GT(plain, 1) << "the cases must be hard";
+}
+
+/// In the same options a free block keeps its spin: 99 % of the angular momentum after ten revolutions at 0.1 rad a
+/// step.
+TYPED_TEST(NewtonSteps, AFreeBlockKeepsItsSpinWithTheDefaultOptions) {
+  using Scalar = typename TypeParam::Scalar;
+  auto body = must(SoftBody<Scalar, typename TypeParam::Element>::create(
+      testing::block<Scalar, typename TypeParam::Element>(
+          {.corner = {-0.2, -0.15, -0.1}, .size = {0.4, 0.3, 0.2}, .cells = {3, 2, 2}}),
+      soft));
+  const double turn = 0.1, h = 1.0 / 60;
+  Field<Scalar> spin;
+  for (const auto& x : body.mesh().positions())
+    spin.push_back((turn / h * Vec3<double>::UnitZ().cross(x.template cast<double>())).template cast<Scalar>());
+  must(body.set_velocities(spin));
+  const auto momentum = [&] {
+    double sum = 0;
+    for (Index v = 0; v < body.vertex_count(); ++v)
+      sum += double(body.mass().row_sum(v)) *
+             body.position(v).template cast<double>().cross(body.velocities()[at(v)].template cast<double>()).z();
+    return sum;
+  };
+  const double start = momentum();
+  ImplicitEuler euler(body, SolverOptions{.tolerance = 1e-5});
+  for (int step = 0; step < int(10 * 2 * std::numbers::pi / turn); ++step)
+    ASSERT_TRUE(euler.step(body, Scalar(h)).accepted());
+  EXPECT_GT(momentum(), 0.99 * start);
+  EXPECT_LT(momentum(), 1.01 * start);
+}
+
+/// A bar squeezed to three quarters wants to buckle: its Hessian is indefinite, and steps go on all the same.
+TYPED_TEST(NewtonSteps, AnIndefiniteHessianIsProjectedAndNotRefused) {
+  using Scalar = typename TypeParam::Scalar;
+  for (const int iterations : {1, 20}) {
+    auto body = bar<Scalar, typename TypeParam::Element>(soft);
+    must(body.set_displacements(testing::displacement_of(
+        body.mesh(), [](const Vec3<double>& x) { return Vec3<double>(0.75 * x.x(), x.y(), x.z()); })));
+    body.pin_where([](const auto& x) { return x.x() < Scalar(1e-6) || x.x() > Scalar(1 - 1e-6); });
+    body.external_forces()[at(body.mesh().nearest_vertex({0.5, 0, 0}))].y() = 1;
+    ImplicitEuler euler(body, SolverOptions{}, NewtonOptions{.iterations = iterations, .tangent = Tangent::exact});
+    for (int step = 0; step < 120; ++step) {
+      const StepReport report = euler.step(body, Scalar(1.0 / 60));
+      ASSERT_TRUE(report.accepted()) << report.advice();
+      EXPECT_TRUE(report.newton_converged) << "step " << step;
+      EXPECT_EQ(report.inverted_elements, 0);
+    }
+    EXPECT_LT(largest_speed(body), 0.1);
+  }
+}
+
+/// Too few iterations are said; a body at rest, where only rounding is left to solve, is not an error.
+TYPED_TEST(NewtonSteps, SayWhetherTheyConverged) {
+  using Scalar = typename TypeParam::Scalar;
+  auto body = bar<Scalar, typename TypeParam::Element>(soft);
+  body.pin_where([](const auto& x) { return x.x() < Scalar(1e-6); });
+  body.set_gravity({0, 0, Scalar(-9.81)});
+  auto resting = body;
+  ImplicitEuler two(body, SolverOptions{}, NewtonOptions{.iterations = 2, .tolerance = 1e-14});
+  StepReport report;
+  for (int step = 0; step < 5; ++step) report = two.step(body, Scalar(0.1));
+  EXPECT_TRUE(report.accepted());
+  EXPECT_FALSE(report.newton_converged);
+  EXPECT_FALSE(report.ok());
+  EXPECT_STRNE(report.advice(), "");
+  EXPECT_EQ(report.newton_iterations, 2);
+  EXPECT_GT(report.newton_residual, 1e-14);
+
+  ImplicitEuler many(resting, SolverOptions{}, NewtonOptions{.iterations = 20, .tangent = Tangent::exact});
+  for (int step = 0; step < 100; ++step) {
+    report = many.step(resting, Scalar(0.2));
+    EXPECT_TRUE(report.newton_converged) << "step " << step << " residual " << report.newton_residual;
+  }
+  EXPECT_LT(largest_speed(resting), 1e-3);
+
+  const auto before = body;
+  for (const NewtonOptions& bad :
+       {NewtonOptions{.iterations = 0}, NewtonOptions{.tolerance = 0}, NewtonOptions{.tolerance = 1},
+        NewtonOptions{.tolerance = std::numeric_limits<double>::quiet_NaN()}}) {
+    ImplicitEuler euler(body, SolverOptions{}, bad);
+    report = euler.step(body, Scalar(0.1));
+    EXPECT_EQ(report.refusal, Refusal::newton_options);
+    EXPECT_STRNE(report.advice(), "");
+    EXPECT_EQ(flat(body.displacements()), flat(before.displacements()));
+  }
+}
+
+TEST(LineSearch, GoesAsFarAsTheEnergyFalls) {
+  const auto parabola = [](double x) { return -x + x * x; };  // slope -1, least at 1/2, zero at 1
+  EXPECT_EQ(backtrack(-1, 0, parabola), 0.5);
+  EXPECT_EQ(backtrack(-1, 0, [](double x) { return -x; }), 1);
+  EXPECT_EQ(backtrack(-1, 0.1, parabola), 1) << "within rounding";
+  EXPECT_EQ(backtrack(-1, 0, [](double x) { return x; }), 0);
+  EXPECT_EQ(backtrack(-1, 0, [](double x) { return x > 0.2 ? std::nan("") : -x; }), 0.125);
+}
+
+}  // namespace
+}  // namespace corotet
