@@ -11,6 +11,7 @@
 #include <corotet/assembly/assemble.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <corotet/dynamics/soft_body.hpp>
+#include <corotet/dynamics/step_bodies.hpp>
 #include <corotet/element/tet10.hpp>
 #include <corotet/element/tet4.hpp>
 #include <corotet/mesh/make_block.hpp>
@@ -22,11 +23,13 @@
 #include <cstring>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "plain_product.hpp"
+#include "thread_pool.hpp"
 
 namespace corotet {
 namespace {
@@ -277,6 +280,44 @@ void add_rows(const std::string& element, const std::vector<Index>& all_cells) {
     state.counters["iterations"] = iterations;
   });
 }
+
+/// 200 bodies of 216 elements, each of another material, so that none waits for the others' solutions. Time a body.
+template <class Element>
+void step_many(benchmark::State& state) {
+  using Body = SoftBody<float, Element>;
+  std::vector<Body> bodies;
+  std::vector<ImplicitEuler<Body>> integrators;
+  for (int i = 0; i < 200; ++i) {
+    MeshData data = make_block({.corner = {0, 0, 0},
+                                .size = {0.6, 0.6, 0.2},
+                                .cells = {6, 3, 2},
+                                .split = BlockSplit::kuhn6,
+                                .order = Element::order})
+                        .value();
+    bodies.push_back(Body::create(TetMesh<float, Element>::create(std::move(data)).value(),
+                                  Material{.young = 5e5 * (1 + 0.01 * i), .poisson = 0.3, .density = 1000})
+                         .value());
+    bodies.back().pin_where([](const Vec3<float>& x) { return x.x() < 1e-3F; });
+    bodies.back().set_gravity({0, 0, -9.81F});
+    integrators.emplace_back(bodies.back(), SolverOptions{.tolerance = 1.5e-3});
+  }
+  std::vector<StepReport> reports(bodies.size());
+  program::ThreadPool pool(static_cast<int>(state.range(0)));
+  double iterations = 0, steps = 0;
+  const auto step = [&] {
+    step_bodies(std::span(integrators), std::span(bodies), time_step, std::span(reports), pool);
+  };
+  for (int i = 0; i < 20; ++i) step();  // until factors are made and solutions known
+  for (auto _ : state) {
+    step();
+    for (const StepReport& report : reports) iterations += report.iterations;
+    steps += double(reports.size());
+  }
+  state.counters["iterations"] = iterations / steps;
+  state.counters["a_body"] = benchmark::Counter(steps, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+BENCHMARK(step_many<Tet4>)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(step_many<Tet10>)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
 
 [[maybe_unused]] const bool added = (add_rows<Tet4>("tet4", {20, 50, 100}), add_rows<Tet10>("tet10", {10}), true);
 

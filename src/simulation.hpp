@@ -20,11 +20,12 @@ namespace corotet::program {
 struct SimulationFacts {
   Index vertices = 0;
   Index elements = 0;
-  Index flipped_elements = 0;  ///< wound the other way round in the file
-  Vec3<double> origin;         ///< what positions are kept relative to, m
-  double mass = 0;             ///< kg
-  std::string solver;          ///< what "auto" came to: pcg, cholesky
-  std::string preconditioner;  ///< the same; empty for cholesky
+  Index flipped_elements = 0;     ///< wound the other way round in the file
+  Vec3<double> origin;            ///< what positions are kept relative to, m
+  double mass = 0;                ///< kg
+  std::string solver;             ///< what "auto" came to: pcg, cholesky
+  std::string preconditioner;     ///< the same; empty for cholesky
+  double predicted_products = 0;  ///< what a solve should cost in products of the matrix; 0: not predicted
 };
 
 /// Median times of what a step is made of, us.

@@ -48,6 +48,7 @@ class TypedSimulation final : public Simulation {
     const AutoSolver<Scalar>& solver = integrator_.solver();
     facts.solver = solver.method() == SolverMethod::cholesky ? "cholesky" : "pcg";
     if (solver.method() != SolverMethod::cholesky) facts.preconditioner = name_of(solver.preconditioner());
+    facts.predicted_products = solver.predicted_products();
     return facts;
   }
 

@@ -13,6 +13,7 @@
 #include <corotet/assembly/strain.hpp>
 #include <corotet/assembly/twist_modes.hpp>
 #include <corotet/core/assert.hpp>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/lanes.hpp>
 #include <corotet/core/number_text.hpp>
@@ -115,6 +116,7 @@
 #include <corotet/solve/rigid_parts.hpp>
 #include <corotet/solve/rotation_of_points.hpp>
 #include <corotet/solve/small_cholesky.hpp>
+#include <corotet/solve/solve_cost.hpp>
 #include <corotet/solve/solver.hpp>
 #include <corotet/solve/step_system.hpp>
 #include <corotet/solve/warped_cholesky.hpp>

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
 #include <limits>
 #include <memory>
 
@@ -48,6 +50,29 @@ TYPED_TEST(Solvers, AgreeWithADenseFactorisation) {
       EXPECT_LE(report.residual, tolerance);
       EXPECT_LT((flat(x).template cast<double>() - exact).norm(), 100 * tolerance * exact.norm());
     }
+}
+
+/// `auto` is whichever of the two it expects to cost less; both are right for some body.
+TEST(SolverChoice, IsTheCheaperOneByItsOwnPrediction) {
+  std::array<bool, 2> picked{};
+  for (const std::array<Index, 3> cells : {std::array<Index, 3>{3, 1, 1}, {8, 2, 2}, {12, 4, 4}, {20, 6, 6}}) {
+    const auto mesh = testing::block<float, Tet4>({.size = {1, 0.3, 0.3}, .cells = cells});
+    const auto pattern = std::make_shared<const BlockPattern>(BlockPattern::of(mesh.elements(), mesh.vertex_count()));
+    const auto chosen = [&](PreconditionerKind kind) {
+      AutoSolver<float> solver({.preconditioner = kind});
+      solver.analyze(pattern, mesh.positions());
+      return solver;
+    };
+    const double rigid = chosen(PreconditionerKind::rigid_aggregates).predicted_products();
+    const double warped = chosen(PreconditionerKind::warped_cholesky).predicted_products();
+    const AutoSolver<float> automatic = chosen(PreconditionerKind::automatic);
+    EXPECT_EQ(automatic.predicted_products(), std::min(rigid, warped));
+    EXPECT_GT(automatic.predicted_products(), 3) << "no solve is cheaper than the products it needs";
+    EXPECT_EQ(automatic.preconditioner(),
+              warped < rigid ? PreconditionerKind::warped_cholesky : PreconditionerKind::rigid_aggregates);
+    picked[warped < rigid ? 0 : 1] = true;
+  }
+  EXPECT_TRUE(picked[0] && picked[1]) << "the bodies above must be on both sides of the choice";
 }
 
 /// The error in the energy norm, computed in double: for a stiff body and a tolerance beyond float's reach too. The

@@ -1,6 +1,7 @@
 // The default solver of a step: conjugate gradients, or a direct factorisation where that is cheaper.
 #pragma once
 
+#include <algorithm>
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
@@ -9,8 +10,10 @@
 #include <corotet/solve/pcg.hpp>
 #include <corotet/solve/refinement.hpp>
 #include <corotet/solve/rigid_aggregates.hpp>
+#include <corotet/solve/solve_cost.hpp>
 #include <corotet/solve/solver.hpp>
 #include <corotet/solve/warped_cholesky.hpp>
+#include <limits>
 #include <memory>
 #include <string_view>
 
@@ -43,8 +46,8 @@ struct SolverOptions {
   int max_iterations = 2000;  ///< of PCG, >= 0
 };
 
-/// Chooses once, in `analyze`, by counting operations; see `method()` for the choice. A factor too large for 32-bit
-/// indices is never chosen, not even when asked for.
+/// Chooses once, in `analyze`, by predicted cost (SolveCost); see `method()` and `preconditioner()` for the choice. A
+/// factor too large for 32-bit indices is never chosen, not even when asked for.
 template <std::floating_point Scalar>
 class AutoSolver {
  public:
@@ -64,6 +67,9 @@ class AutoSolver {
   /// What `analyze` chose.
   [[nodiscard]] SolverMethod method() const { return method_; }
   [[nodiscard]] PreconditionerKind preconditioner() const { return preconditioner_; }
+
+  /// What a solve with it should cost, in products: see SolveCost. 0 where nothing is predicted.
+  [[nodiscard]] double predicted_products() const { return predicted_products_; }
 
   [[nodiscard]] const Options& options() const { return options_; }
 
@@ -86,10 +92,7 @@ class AutoSolver {
     return refinement_.solve(system.matrix, factor, system.right_side, x, options_.tolerance, executor);
   }
 
-  [[nodiscard]] PreconditionerKind cheaper_preconditioner(const BlockPattern& pattern) const {
-    return double(warped_.factor_blocks()) < 1.0 * pattern.blocks() ? PreconditionerKind::warped_cholesky
-                                                                    : PreconditionerKind::rigid_aggregates;
-  }
+  void choose_preconditioner(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest);
 
   // A factor for more than this costs more than rigid aggregates do, however it is ordered: it need not be counted.
   static constexpr Index most_vertices_of_a_small_body = 2000;
@@ -97,6 +100,7 @@ class AutoSolver {
   Options options_;
   SolverMethod method_ = SolverMethod::pcg;
   PreconditionerKind preconditioner_ = PreconditionerKind::block_jacobi;
+  double predicted_products_ = 0;
   Pcg<Scalar> pcg_;
   BlockJacobi<Scalar> diagonal_;
   RigidAggregates<Scalar> rigid_;
@@ -126,22 +130,39 @@ void AutoSolver<Scalar>::analyze(const std::shared_ptr<const BlockPattern>& patt
     cholesky_ = {};
   }
   pcg_ = Pcg<Scalar>(pattern->rows());
+  choose_preconditioner(pattern, rest);
+}
+
+template <std::floating_point Scalar>
+void AutoSolver<Scalar>::choose_preconditioner(const std::shared_ptr<const BlockPattern>& pattern,
+                                               const Field<Scalar>& rest) {
+  using enum PreconditionerKind;
+  const Index vertices = pattern->rows();
+  const SolveCost cost(pattern->blocks(), vertices);
   preconditioner_ = options_.preconditioner;
-  if (preconditioner_ == PreconditionerKind::automatic && pattern->rows() > most_vertices_of_a_small_body)
-    preconditioner_ = PreconditionerKind::rigid_aggregates;
-  if (preconditioner_ == PreconditionerKind::automatic || preconditioner_ == PreconditionerKind::warped_cholesky) {
-    warped_.analyze(pattern, rest);
-    if (preconditioner_ == PreconditionerKind::automatic) preconditioner_ = cheaper_preconditioner(*pattern);
-    if (!warped_.fits()) preconditioner_ = PreconditionerKind::rigid_aggregates;
+  if (preconditioner_ == jacobi || preconditioner_ == block_jacobi) {
+    diagonal_ = BlockJacobi<Scalar>(*pattern, preconditioner_ == block_jacobi);
+    return;
   }
-  if (preconditioner_ == PreconditionerKind::warped_cholesky)
+  double warped_products = std::numeric_limits<double>::infinity(), rigid_products = warped_products;
+  if (preconditioner_ == warped_cholesky ||
+      (preconditioner_ == automatic && vertices <= most_vertices_of_a_small_body)) {
+    warped_.analyze(pattern, rest);
+    if (warped_.fits()) warped_products = cost.warped_cholesky(double(warped_.factor_blocks()));
+  }
+  if (preconditioner_ != warped_cholesky || !warped_.fits()) {
+    rigid_.analyze(*pattern, rest, RigidAggregates<Scalar>::sizes_for(vertices));
+    rigid_products = cost.rigid_aggregates(double(rigid_.factor_blocks()));
+  }
+  predicted_products_ = std::min(warped_products, rigid_products);
+  if (warped_products < rigid_products) {
+    preconditioner_ = warped_cholesky;
     warped_.allocate();
-  else
+    rigid_ = {};
+  } else {
+    preconditioner_ = rigid_aggregates;
     warped_ = {};
-  if (preconditioner_ == PreconditionerKind::rigid_aggregates)
-    rigid_.analyze(*pattern, rest, RigidAggregates<Scalar>::sizes_for(pattern->rows()));
-  if (preconditioner_ == PreconditionerKind::jacobi || preconditioner_ == PreconditionerKind::block_jacobi)
-    diagonal_ = BlockJacobi<Scalar>(*pattern, preconditioner_ == PreconditionerKind::block_jacobi);
+  }
 }
 
 template <std::floating_point Scalar>

@@ -1,0 +1,39 @@
+// What a solve will cost, before it is tried: how a solver chooses.
+#pragma once
+
+#include <corotet/core/types.hpp>
+
+namespace corotet {
+
+/// The time of one solve of a step, in products of its matrix with a vector. Counts what is read and computed, with
+/// weights that were measured (docs/speed.md has the figures, `corotet bench` prints the prediction beside the time).
+/// A ratio of times on one machine: it holds roughly on others, which a clock would not.
+class SolveCost {
+ public:
+  /// The body: blocks in its matrix, vertices.
+  SolveCost(Index matrix_blocks, Index vertices) : blocks_(double(matrix_blocks)), vertices_(double(vertices)) {}
+
+  /// With rigid aggregates whose coarse factor has as many 6x6 blocks.
+  [[nodiscard]] double rigid_aggregates(double factor_blocks) const {
+    const double application = 3.0 * vertices_ + 8.0 * factor_blocks, update = 25 * vertices_;
+    return solve(9, application, update);  // 7 for a soft body that moves steadily, 16 for a stiff one
+  }
+
+  /// With the whole body's factor of as many 3x3 blocks, turned with its vertices.
+  [[nodiscard]] double warped_cholesky(double factor_blocks) const {
+    const double application = 1.9 * factor_blocks + 8 * vertices_, update = 0.8 * blocks_ + 20 * vertices_;
+    return solve(1.5, application, update);
+  }
+
+ private:
+  /// The first guess costs 1.4 products, the residual that is measured at the end one. Applications are those of the
+  /// iterations, and one before and one after.
+  [[nodiscard]] double solve(double iterations, double application, double update) const {
+    const double vectors = 1.5 * vertices_;
+    return 2.4 + iterations * (1 + vectors / blocks_) + ((iterations + 2) * application + update) / blocks_;
+  }
+
+  double blocks_, vertices_;
+};
+
+}  // namespace corotet
