@@ -107,6 +107,7 @@
 #include <corotet/solve/block_jacobi.hpp>
 #include <corotet/solve/fill_reducing_order.hpp>
 #include <corotet/solve/first_guess.hpp>
+#include <corotet/solve/iteration_watch.hpp>
 #include <corotet/solve/pcg.hpp>
 #include <corotet/solve/range_sum.hpp>
 #include <corotet/solve/refinement.hpp>

@@ -7,6 +7,7 @@
 #include <corotet/core/types.hpp>
 #include <corotet/solve/block_cholesky.hpp>
 #include <corotet/solve/block_jacobi.hpp>
+#include <corotet/solve/iteration_watch.hpp>
 #include <corotet/solve/pcg.hpp>
 #include <corotet/solve/refinement.hpp>
 #include <corotet/solve/rigid_aggregates.hpp>
@@ -15,6 +16,7 @@
 #include <corotet/solve/warped_cholesky.hpp>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 namespace corotet {
@@ -46,8 +48,10 @@ struct SolverOptions {
   int max_iterations = 2000;  ///< of PCG, >= 0
 };
 
-/// Chooses once, in `analyze`, by predicted cost (SolveCost); see `method()` and `preconditioner()` for the choice. A
-/// factor too large for 32-bit indices is never chosen, not even when asked for.
+/// Chooses by predicted cost (SolveCost): rigid aggregates to begin with, and for a small body a factor of the whole,
+/// as soon as a dozen solves took so many iterations that it would be cheaper: when the body is stiff. See
+/// `preconditioner()` for the choice; all memory is there after `analyze`. A factor too large for 32-bit indices is
+/// never chosen, not even when asked for.
 template <std::floating_point Scalar>
 class AutoSolver {
  public:
@@ -64,7 +68,7 @@ class AutoSolver {
   template <Executor E>
   SolveReport solve(const StepSystem<Scalar>& system, Field<Scalar>& x, E& executor);
 
-  /// What `analyze` chose.
+  /// What is used now.
   [[nodiscard]] SolverMethod method() const { return method_; }
   [[nodiscard]] PreconditionerKind preconditioner() const { return preconditioner_; }
 
@@ -92,15 +96,27 @@ class AutoSolver {
     return refinement_.solve(system.matrix, factor, system.right_side, x, options_.tolerance, executor);
   }
 
+  /// Whether the factor of the whole body would have been cheaper than solves of so many iterations.
+  void compare(std::optional<double> iterations) {
+    if (!iterations) return;
+    predicted_products_ = cost_.rigid_aggregates(double(rigid_.factor_blocks()), *iterations);
+    if (warped_products_ >= predicted_products_) return;
+    predicted_products_ = warped_products_;
+    preconditioner_ = PreconditionerKind::warped_cholesky;
+  }
+
   void choose_preconditioner(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest);
 
-  // A factor for more than this costs more than rigid aggregates do, however it is ordered: it need not be counted.
+  // The factor of a larger body takes many times the memory of its matrix, and rarely pays.
   static constexpr Index most_vertices_of_a_small_body = 2000;
 
   Options options_;
   SolverMethod method_ = SolverMethod::pcg;
   PreconditionerKind preconditioner_ = PreconditionerKind::block_jacobi;
-  double predicted_products_ = 0;
+  SolveCost cost_;
+  double predicted_products_ = 0, warped_products_ = std::numeric_limits<double>::infinity();
+  bool may_change_ = false;
+  IterationWatch watch_;
   Pcg<Scalar> pcg_;
   BlockJacobi<Scalar> diagonal_;
   RigidAggregates<Scalar> rigid_;
@@ -138,39 +154,45 @@ void AutoSolver<Scalar>::choose_preconditioner(const std::shared_ptr<const Block
                                                const Field<Scalar>& rest) {
   using enum PreconditionerKind;
   const Index vertices = pattern->rows();
-  const SolveCost cost(pattern->blocks(), vertices);
+  cost_ = SolveCost(pattern->blocks(), vertices);
   preconditioner_ = options_.preconditioner;
   if (preconditioner_ == jacobi || preconditioner_ == block_jacobi) {
     diagonal_ = BlockJacobi<Scalar>(*pattern, preconditioner_ == block_jacobi);
     return;
   }
-  double warped_products = std::numeric_limits<double>::infinity(), rigid_products = warped_products;
   if (preconditioner_ == warped_cholesky ||
       (preconditioner_ == automatic && vertices <= most_vertices_of_a_small_body)) {
     warped_.analyze(pattern, rest);
-    if (warped_.fits()) warped_products = cost.warped_cholesky(double(warped_.factor_blocks()));
+    if (warped_.fits()) warped_products_ = cost_.warped_cholesky(double(warped_.factor_blocks()));
   }
-  if (preconditioner_ != warped_cholesky || !warped_.fits()) {
-    rigid_.analyze(*pattern, rest, RigidAggregates<Scalar>::sizes_for(vertices));
-    rigid_products = cost.rigid_aggregates(double(rigid_.factor_blocks()));
-  }
-  predicted_products_ = std::min(warped_products, rigid_products);
-  if (warped_products < rigid_products) {
-    preconditioner_ = warped_cholesky;
+  if (preconditioner_ == warped_cholesky && warped_.fits()) {
+    predicted_products_ = warped_products_;
     warped_.allocate();
-    rigid_ = {};
-  } else {
-    preconditioner_ = rigid_aggregates;
-    warped_ = {};
+    return;
   }
+  rigid_.analyze(*pattern, rest, RigidAggregates<Scalar>::sizes_for(vertices));
+  predicted_products_ = cost_.rigid_aggregates(double(rigid_.factor_blocks()));
+  constexpr double most_iterations = 25;
+  may_change_ = preconditioner_ == automatic &&
+                warped_products_ < cost_.rigid_aggregates(double(rigid_.factor_blocks()), most_iterations);
+  preconditioner_ = rigid_aggregates;
+  if (may_change_)
+    warped_.allocate();
+  else
+    warped_ = {};
 }
 
 template <std::floating_point Scalar>
 template <Executor E>
 SolveReport AutoSolver<Scalar>::solve(const StepSystem<Scalar>& system, Field<Scalar>& x, E& executor) {
   if (method_ == SolverMethod::cholesky) return solve_directly(system, x, executor);
+  if (may_change_ && watch_.begins(system.era)) preconditioner_ = PreconditionerKind::rigid_aggregates;
   if (preconditioner_ == PreconditionerKind::warped_cholesky) return solve_by(warped_, system, x, executor);
-  if (preconditioner_ == PreconditionerKind::rigid_aggregates) return solve_by(rigid_, system, x, executor);
+  if (preconditioner_ == PreconditionerKind::rigid_aggregates) {
+    const SolveReport report = solve_by(rigid_, system, x, executor);
+    if (may_change_) compare(watch_.add(report.iterations));
+    return report;
+  }
   return solve_by(diagonal_, system, x, executor);
 }
 

@@ -1,0 +1,38 @@
+// How many iterations solves take, as long as the system changes with the motion alone.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+namespace corotet {
+
+/// Counts alone, no clock: the same on every machine and in every run.
+class IterationWatch {
+ public:
+  /// True if the system changed for other reasons than motion since the last call (StepSystem::era).
+  [[nodiscard]] bool begins(std::uint64_t era) {
+    if (era == era_) return false;
+    *this = {};
+    era_ = era;
+    return true;
+  }
+
+  /// The mean of the last twelve solves, at every twelfth. The first solves of an era are left out: they have no
+  /// solutions to start from.
+  [[nodiscard]] std::optional<double> add(int iterations) {
+    constexpr int first = 4, window = 12;
+    if (++solves_ <= first) return {};
+    sum_ += iterations;
+    if (solves_ < first + window) return {};
+    const double mean = double(sum_) / window;
+    solves_ = first;
+    sum_ = 0;
+    return mean;
+  }
+
+ private:
+  std::uint64_t era_ = 0;  // no system has era 0
+  int solves_ = 0, sum_ = 0;
+};
+
+}  // namespace corotet
