@@ -42,7 +42,7 @@ struct Rig {
     const Mass<Scalar> mass(mesh, rubber, MassModel::lumped, *pattern);
     BlockMatrix<Scalar> k(pattern);
     assemble(law, state, mass, Scalar(0), Scalar(1), k, serial);
-    if (state.twist.any()) add_twist(state, Scalar(1), k, serial);
+    if (state.twist.active_share() > 0) add_twist(law, state, Scalar(1), k, serial);
     return k;
   }
 

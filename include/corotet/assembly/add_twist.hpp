@@ -3,44 +3,72 @@
 
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/lanes.hpp>
 #include <corotet/core/types.hpp>
 #include <cstddef>
 
 namespace corotet {
 
+namespace detail {
+
+/// mu V [g_a]x H [g_b]x^T of an element at point q, with the nodes that are number `row` and `column`.
+template <std::floating_point Scalar, class Evaluation>
+[[nodiscard]] Mat3<Scalar> twist_block(const Evaluation& state, std::size_t q, const Mat3<Scalar>& h, std::size_t row,
+                                       std::size_t column) {
+  const Eigen::Map<const Vec3<Scalar>> ga(state.gradient(q, row)), gb(state.gradient(q, column));
+  Mat3<Scalar> turned, block;
+  for (int k = 0; k < 3; ++k) turned.col(k) = ga.cross(h.col(k));
+  for (int k = 0; k < 3; ++k) block.row(k) = gb.cross(turned.row(k).transpose()).transpose();
+  return block;
+}
+
+/// Adds a block and its mirror image, or the symmetric part of a block on the diagonal.
+template <std::floating_point Scalar>
+void add_symmetric(BlockMatrix<Scalar>& matrix, Index slot, Index mirror, const Mat3<Scalar>& block) {
+  if (slot == mirror) {
+    matrix.block(slot) += (block + block.transpose()) / 2;
+  } else {
+    matrix.block(slot) += block;
+    matrix.block(mirror) = matrix.block(slot).transpose();
+  }
+}
+
+}  // namespace detail
+
 /// matrix += factor * (the twist modes of the evaluated state, N/m). Keeps both triangles bitwise mirror images.
-/// Elements without any are skipped; see TwistModes::any for bodies without any.
-template <std::floating_point Scalar, class Evaluation, Executor E>
-void add_twist(const Evaluation& state, Scalar factor, BlockMatrix<Scalar>& matrix, E& executor) {
-  constexpr std::size_t n = Evaluation::nodes;
-  constexpr Index grain = 8 * BlockMatrix<Scalar>::row_grain;
+/// Batches without any are skipped; see TwistModes::active_share for bodies without any.
+template <std::floating_point Scalar, class Law, Executor E>
+void add_twist(const Law& law, const typename Law::Evaluation& state, Scalar factor, BlockMatrix<Scalar>& matrix,
+               E& executor) {
+  constexpr std::size_t n = Law::nodes, points = Law::points;
   const BlockPattern& p = matrix.pattern();
-  for_ranges(executor, size_of(p.upper), grain, [&](Index begin, Index end) {
+  // Where few elements have any, it is cheaper to go through these, on one thread, than through all blocks.
+  if (state.twist.active_share() < 0.1) {
+    for (Index e = 0; e < law.element_count(); ++e)
+      for (std::size_t q = 0; q < points; ++q) {
+        if (!state.twist.any(q, at(e))) continue;
+        const auto& vertex = law.batches()[at(e / lane_count<Scalar>)].vertex;
+        const auto lane = at(e % lane_count<Scalar>);
+        const Mat3<Scalar> h = factor * state.twist.matrix(q, at(e));
+        if (h.isZero(0)) continue;
+        for (std::size_t a = 0; a < n; ++a)
+          for (std::size_t b = a; b < n; ++b)
+            detail::add_symmetric<Scalar>(matrix, p.slot(vertex[a][lane], vertex[b][lane]),
+                                          p.slot(vertex[b][lane], vertex[a][lane]),
+                                          detail::twist_block<Scalar>(state, q, h, at(e) * n + a, at(e) * n + b));
+      }
+    return;
+  }
+  for_ranges(executor, size_of(p.upper), 8 * BlockMatrix<Scalar>::row_grain, [&](Index begin, Index end) {
     for (Index u = begin; u < end; ++u) {
       Mat3<Scalar> sum = Mat3<Scalar>::Zero();
-      bool any = false;
       for (Index c = p.contribution_start[at(u)]; c < p.contribution_start[at(u) + 1]; ++c) {
         const std::size_t code = at(p.contribution[at(c)]), row = code / n, element = row / n;
-        for (std::size_t q = 0; q < Evaluation::points; ++q) {
-          if (!state.twist.any(q, element)) continue;
-          any = true;
-          const Eigen::Map<const Vec3<Scalar>> ga(state.gradient(q, row));
-          const Eigen::Map<const Vec3<Scalar>> gb(state.gradient(q, element * n + code % n));
-          const Mat3<Scalar> h = state.twist.matrix(q, element);
-          Mat3<Scalar> turned;  // [g_a]x H
-          for (int k = 0; k < 3; ++k) turned.col(k) = ga.cross(h.col(k));
-          for (int k = 0; k < 3; ++k) sum.row(k) += gb.cross(turned.row(k).transpose()).transpose();
-        }
+        for (std::size_t q = 0; q < points; ++q)
+          if (state.twist.any(q, element))
+            sum += detail::twist_block<Scalar>(state, q, state.twist.matrix(q, element), row, element * n + code % n);
       }
-      if (!any) continue;
-      const auto [slot, mirror] = p.upper[at(u)];
-      if (slot == mirror) {
-        sum = (sum + sum.transpose()).eval() / 2;
-        matrix.block(slot) += factor * sum;
-      } else {
-        matrix.block(slot) += factor * sum;
-        matrix.block(mirror) = matrix.block(slot).transpose();
-      }
+      detail::add_symmetric<Scalar>(matrix, p.upper[at(u)].slot, p.upper[at(u)].mirror, factor * sum);
     }
   });
 }

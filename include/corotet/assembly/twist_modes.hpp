@@ -74,8 +74,11 @@ class TwistModes {
     if (active_[place] != 0) compute(place, strain, pressure, r);
   }
 
-  /// Whether any element of the body has anything to add.
-  [[nodiscard]] bool any() const { return std::find(active_.begin(), active_.end(), std::uint8_t{1}) != active_.end(); }
+  /// Of the batches at all points, how many have anything to add: 0 ... 1.
+  [[nodiscard]] double active_share() const {
+    const auto active = std::count(active_.begin(), active_.end(), std::uint8_t{1});
+    return active == 0 ? 0 : static_cast<double>(active) / static_cast<double>(active_.size());
+  }
   [[nodiscard]] COROTET_ALWAYS_INLINE bool any(std::size_t q, std::size_t element) const {
     return active_[q * batches_ + element / at(lane_count<Scalar>)] != 0;
   }

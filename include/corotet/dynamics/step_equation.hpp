@@ -82,7 +82,7 @@ class StepEquation {
     assemble(body.law(), evaluation_, body.mass(), mass, first ? c * (c + body_damping(body)) : c * c, matrix_,
              executor);
     if (!first && damping_) matrix_.add(viscosity, *damping_, executor);
-    if (evaluation_.twist.any()) add_twist(evaluation_, c * c, matrix_, executor);
+    if (evaluation_.twist.active_share() > 0) add_twist(body.law(), evaluation_, c * c, matrix_, executor);
     era_number_ = era_.of({double(mass), double(c * c + viscosity), body.material_revision(), body.pins().revision()});
   }
 
