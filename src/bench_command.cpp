@@ -32,6 +32,7 @@ struct BenchOptions {
   int threads = 1;
   double tolerance = 1.5e-3;
   PreconditionerKind preconditioner = PreconditionerKind::automatic;
+  Dilatation dilatation = Dilatation::per_element;
   std::string csv;
 };
 
@@ -132,6 +133,7 @@ Row measure(const BenchOptions& options, const std::string& name) {
   Scene scene;
   scene.mesh = name;
   scene.material = {options.young, options.poisson, 1000};
+  scene.dilatation = options.dilatation;
   scene.solver.preconditioner = options.preconditioner;
   scene.solver.tolerance = options.tolerance;
   Row row;
@@ -273,6 +275,9 @@ Command add_bench_command(CLI::App& app) {
       ->check(CLI::Range(1e-12, 0.5));
   syntax->add_option("--preconditioner", options->preconditioner, "As in a scene (auto)")
       ->transform(CLI::CheckedTransformer(preconditioners()));
+  syntax->add_option("--dilatation", options->dilatation, "per_element or mean, as in a scene (per_element)")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Dilatation>{{"per_element", Dilatation::per_element}, {"mean", Dilatation::mean}}));
   syntax->add_option("--csv", options->csv, "Also write the table to this file");
   syntax->footer(
       "The body is held at its least x and falls under gravity along z, in float, density 1000 kg/m^3, lumped mass,\n"

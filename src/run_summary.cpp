@@ -94,6 +94,7 @@ std::string format_summary(const Scene& scene, const RunInput& input, const RunF
   summary["scalar"] = scene.scalar == ScalarKind::single_precision ? "float" : "double";
   summary["rotation"] = name_of(scene.rotation);
   summary["rotation_site"] = scene.rotation_site == RotationSite::point ? "point" : "element";
+  summary["dilatation"] = scene.dilatation == Dilatation::mean ? "mean" : "per_element";
   summary["mass"] = scene.mass == MassModel::lumped ? "lumped" : "consistent";
   summary["integrator"] = {{"name", "implicit_euler"}, {"dt", scene.dt}, {"newton", 1}};
   summary["solver"] = {{"name", facts.simulation.solver}};

@@ -187,6 +187,7 @@ Scene read_scene(const fs::path& path) {
           [&](const Json& force, const std::string& where) { read_force(force, where, problems, scene.forces); });
   in.vector("gravity", scene.gravity);
   in.choice("mass", scene.mass, {{"lumped", MassModel::lumped}, {"consistent", MassModel::consistent}});
+  in.choice("dilatation", scene.dilatation, {{"per_element", Dilatation::per_element}, {"mean", Dilatation::mean}});
   in.choice("rotation", scene.rotation,
             {{"identity", RotationKind::identity},
              {"gram_schmidt", RotationKind::gram_schmidt},

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <corotet/assembly/mass.hpp>
+#include <corotet/assembly/mean_dilatation.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/material/material.hpp>
 #include <corotet/solve/auto_solver.hpp>
@@ -46,6 +47,7 @@ struct Scene {
   std::vector<ForceBox> forces;
   Vec3<double> gravity{0, 0, -9.81};  ///< m/s^2
   MassModel mass = MassModel::lumped;
+  Dilatation dilatation = Dilatation::per_element;
   RotationKind rotation = RotationKind::polar;
   RotationSite rotation_site = RotationSite::point;
   double dt = 1.0 / 60;  ///< s

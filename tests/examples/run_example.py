@@ -91,6 +91,15 @@ def natural_frequencies(program, _):
         expect(abs(float(second.rstrip("% "))) < 0.3, f"{mass}: the second frequency within 0.3 %")
 
 
+def nearly_incompressible(program, _):
+    rows = [[cell.strip() for cell in line.strip("| ").split("|")]
+            for line in run(program, "quick").splitlines() if line.startswith("| Tet4")]
+    expect([row[1] for row in rows] == ["per element", "mean"], "two rows")
+    own, mean = ([float(cell) for cell in row[2:6]] for row in rows)
+    expect(own[2] < 0.05, "an element with its own dilatation to lock")
+    near(mean[2] / mean[1], 1, 0.03, "with mean dilatation, 0.499 as 0.45")
+
+
 def speed_against_error(program, _):
     rows = table(run(program, "quick"))
     # No test of times. Tet10 with a rotation at each quadrature point: -1 % in an independent program.

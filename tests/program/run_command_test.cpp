@@ -130,6 +130,13 @@ TEST_F(RunCommand, EveryChoiceRuns) {
       EXPECT_EQ(summary["solver"]["name"], "pcg");
       EXPECT_EQ(summary["mass"], mass);
     }
+  for (const char* order : {"1", "2"}) {
+    const Json summary = run(std::string(R"({"mesh": "beam.msh", "steps": 3, "pins": [{"box": [[0,0,0],[0,1,1]]}],
+        "material": {"poisson": 0.45}, "dilatation": "mean", "order": )") +
+                             order + "}");
+    EXPECT_EQ(summary["dilatation"], "mean");
+    EXPECT_EQ(summary["status"]["converged"], 3);
+  }
 }
 
 // A free body under gravity: backward Euler falls by g h^2 n (n + 1) / 2 from rest, whatever the body.

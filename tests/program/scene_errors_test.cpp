@@ -70,6 +70,7 @@ TEST_F(SceneErrors, EachIsNamedByItsKeyAndNothingIsWritten) {
       {R"("forces": [{"box": [[0,0,0],[1,1,1]], "torque": 5}])", "forces[0].torque: must be a list of 3 numbers"},
       {R"("forces": [{"box": [[0,0,0],[1,1,1]], "total": [0,0,1], "at": 1}])", "forces[0].at: unknown key"},
       {R"("mass": "heavy")", "mass: must be one of: lumped, consistent"},
+      {R"("dilatation": "none")", "dilatation: must be one of: per_element, mean"},
       {R"("rotation": "qr")", "rotation: must be one of: identity, gram_schmidt, polar"},
       {R"("rotation_site": "vertex")", "rotation_site: must be one of: point, element"},
       {R"("integrator": {"name": "bdf2"})", "integrator.name: must be one of: implicit_euler"},

@@ -214,7 +214,8 @@ class RigidAggregates {
   [[nodiscard]] static SixVector<Scalar> world_motion(const RigidFrames<Scalar>& frames, Index part,
                                                       const SixVector<Scalar>& y) {
     SixVector<Scalar> m;
-    m << frames.translation(part, y), frames.turn(part, y);
+    m.template head<3>() = frames.translation(part, y);  // not by <<, of which GCC 12 warns at -O3
+    m.template tail<3>() = frames.turn(part, y);
     return m;
   }
 
