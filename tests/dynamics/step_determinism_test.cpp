@@ -141,6 +141,7 @@ TYPED_TEST(StepDeterminism, AStepAllocatesNothing) {
   expect_none(Dilatation::mean, {});
   const NewtonOptions exact{.iterations = 5, .tolerance = 1e-3, .tangent = Tangent::exact};
   expect_none(Dilatation::per_element, {}, exact);
+  expect_none(Dilatation::mean, {}, exact);
   expect_none.template operator()<Bdf2<Body>>(Dilatation::per_element, {});
   expect_none.template operator()<Bdf2<Body>>(Dilatation::per_element, {}, exact);
 }

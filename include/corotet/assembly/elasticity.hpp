@@ -20,6 +20,7 @@
 #include <corotet/rotation/polar.hpp>
 #include <corotet/rotation/rotation_extractor.hpp>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace corotet {
@@ -91,11 +92,14 @@ class Elasticity {
     }
   }
 
-  /// W, J. Summed in double and in element order, whatever Scalar is. Allocates where dilatation is a mean over
-  /// patches.
+  /// W, J. Summed in double and in element order, whatever Scalar is.
   [[nodiscard]] double energy(const Field<Scalar>& displacement) const {
+    std::vector<double> scratch(mean_.scratch_size());
+    return energy(displacement, scratch);
+  }
+  /// The same without allocating: `scratch` has mean_dilatation().scratch_size() entries.
+  [[nodiscard]] double energy(const Field<Scalar>& displacement, std::span<double> scratch) const {
     double sum = 0;
-    std::vector<double> theta;  // of each element, where patches need it
     for (Index b = 0; b < size_of(batches_); ++b) {
       const Batch& batch = batches_[at(b)];
       std::array<Mat3Lanes<Scalar>, points> f, r;
@@ -110,11 +114,11 @@ class Elasticity {
             (e.squared_norm() + Lanes<Scalar>(Scalar(0.5)) * (batch.lame_ratio * trace + mean.tension) * trace);
         for (int l = 0; l < lane_count<Scalar>; ++l) sum += static_cast<double>(energy[l]);
         if (mean_.on() && Mean::over_patches)
-          for (int l = 0; l < lane_count<Scalar>; ++l) theta.push_back(static_cast<double>(trace[l]));
+          for (int l = 0; l < lane_count<Scalar>; ++l) scratch[at(b * lane_count<Scalar> + l)] = double(trace[l]);
       }
     }
     for (Index p = 0; p < mean_.patches().count(); ++p)
-      sum += mean_.patch_energy(p, [&](Index e) { return theta[at(e)]; });
+      sum += mean_.patch_energy(p, [&](Index e) { return scratch[at(e)]; });
     return sum;
   }
 

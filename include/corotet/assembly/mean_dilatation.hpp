@@ -138,6 +138,9 @@ class MeanDilatation {
     return sum * sum / 2;
   }
 
+  /// Numbers that Elasticity::energy keeps while it works: theta of each element, where patches need it.
+  [[nodiscard]] std::size_t scratch_size() const { return over_patches ? ratio_.size() * at(lane_count<Scalar>) : 0; }
+
   /// Vectors g that an evaluation keeps.
   [[nodiscard]] std::size_t gradient_count(Index elements) const {
     if (!on_) return 0;

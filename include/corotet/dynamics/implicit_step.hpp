@@ -15,6 +15,7 @@
 #include <corotet/solve/solver.hpp>
 #include <limits>
 #include <utility>
+#include <vector>
 
 namespace corotet {
 
@@ -33,7 +34,8 @@ class ImplicitStep {
         equation_(body, newton.tangent, linearised_ahead || newton.iterations > 1),
         change_(at(body.vertex_count()), Vec3<Scalar>::Zero()),
         velocity_(change_),
-        displacement_(change_) {
+        displacement_(change_),
+        energy_scratch_(newton.iterations > 1 ? body.law().mean_dilatation().scratch_size() : 0) {
     solver_.analyze(body.pattern(), body.mesh().positions());
   }
 
@@ -108,7 +110,7 @@ class ImplicitStep {
       if (!flat(velocity_).allFinite() || !flat(displacement_).allFinite()) return refused(report, Refusal::overflow);
       if (!newton) break;
 
-      if (first) energy = body.law().energy(displacement_);
+      if (first) energy = body.law().energy(displacement_, energy_scratch_);
       equation_.evaluate(body, displacement_, executor);
       equation_.linearise_here(body, formula, velocity_, executor);
       // What a correction of this size leaves if the error has shrunk as the gradient has.
@@ -219,7 +221,7 @@ class ImplicitStep {
     const double before = elastic, slope = along.elastic - decrement2;
     return backtrack(-decrement2, noise, [&](double fraction) {
       place(body, formula, static_cast<Scalar>(fraction));
-      elastic = body.law().energy(displacement_);
+      elastic = body.law().energy(displacement_, energy_scratch_);
       return fraction * (slope + fraction * along.curvature / 2) + elastic - before;
     });
   }
@@ -228,6 +230,7 @@ class ImplicitStep {
   Solver solver_;
   StepEquation<Body> equation_;
   Field<Scalar> change_, velocity_, displacement_;
+  std::vector<double> energy_scratch_;
 };
 
 }  // namespace corotet
