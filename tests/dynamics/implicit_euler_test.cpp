@@ -102,7 +102,8 @@ template <class T>
 class Dynamics : public ::testing::Test {};
 TYPED_TEST_SUITE(Dynamics, testing::AllCases);
 
-/// Without pins and gravity the momentum of every step is that of the step before: internal forces balance.
+/// Without pins and gravity the momentum of every step is that of the step before, whatever the solver leaves:
+/// internal forces balance.
 TYPED_TEST(Dynamics, LinearMomentumOfAFreeBodyIsKept) {
   using Scalar = typename TypeParam::Scalar;
   using Element = typename TypeParam::Element;
@@ -116,9 +117,12 @@ TYPED_TEST(Dynamics, LinearMomentumOfAFreeBodyIsKept) {
     return sum;
   };
   const Vec3<double> start = momentum();
-  ImplicitEuler euler(body, SolverOptions{.tolerance = sizeof(Scalar) == 4 ? 1e-5 : 1e-12});
-  for (int step = 0; step < 100; ++step) ASSERT_TRUE(euler.step(body, Scalar(0.01)).accepted());
-  EXPECT_LT((momentum() - start).norm(), (sizeof(Scalar) == 4 ? 1e-3 : 1e-9) * start.norm());
+  const double rounding = sizeof(Scalar) == 4 ? 1e-5 : 1e-13;
+  for (const PreconditionerKind kind : {PreconditionerKind::automatic, PreconditionerKind::block_jacobi}) {
+    ImplicitEuler euler(body, SolverOptions{.preconditioner = kind, .tolerance = 1e-2});
+    for (int step = 0; step < 100; ++step) ASSERT_TRUE(euler.step(body, Scalar(0.01)).accepted());
+    EXPECT_LT((momentum() - start).norm(), rounding * start.norm()) << name_of(kind);
+  }
 }
 
 /// A free block spun by h * omega = 0.02 and 0.1 rad a step keeps its angular momentum over three revolutions: one
@@ -158,7 +162,8 @@ TYPED_TEST(Dynamics, FreeFallDoesNotDeform) {
   auto body = must(SoftBody<Scalar, Element>::create(
       testing::block<Scalar, Element>({.size = {0.4, 0.3, 0.2}, .cells = {2, 2, 1}}), soft));
   body.set_gravity({0, Scalar(-10), 0});
-  ImplicitEuler euler(body);
+  // The first step has nothing to start from: it deforms the body by what the solver leaves.
+  ImplicitEuler euler(body, SolverOptions{.tolerance = sizeof(Scalar) == 4 ? 1e-5 : 1e-12});
   StepReport report;
   for (int step = 0; step < 100; ++step) {
     report = euler.step(body, Scalar(0.01));

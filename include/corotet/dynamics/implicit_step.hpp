@@ -12,6 +12,7 @@
 #include <corotet/dynamics/step_equation.hpp>
 #include <corotet/dynamics/step_phase.hpp>
 #include <corotet/dynamics/step_report.hpp>
+#include <corotet/solve/range_sum.hpp>
 #include <corotet/solve/solver.hpp>
 #include <limits>
 #include <utility>
@@ -35,7 +36,8 @@ class ImplicitStep {
         change_(at(body.vertex_count()), Vec3<Scalar>::Zero()),
         velocity_(change_),
         displacement_(change_),
-        energy_scratch_(newton.iterations > 1 ? body.law().mean_dilatation().scratch_size() : 0) {
+        energy_scratch_(newton.iterations > 1 ? body.law().mean_dilatation().scratch_size() : 0),
+        sum_(body.vertex_count()) {
     solver_.analyze(body.pattern(), body.mesh().positions());
   }
 
@@ -74,7 +76,7 @@ class ImplicitStep {
       equation_.isolate_pins(body);
 
       observer(StepPhase::solve);
-      const SolveStatus status = solve(body, report, executor);
+      const SolveStatus status = solve(body, formula.c, report, executor);
       const double decrement2 = newton ? equation_.right_side_dot(change_, executor) : 0;  // g . A^-1 g
       if ((status == SolveStatus::breakdown || decrement2 < 0) && options_.tangent == Tangent::exact && !projected) {
         observer(StepPhase::assembly);
@@ -105,9 +107,7 @@ class ImplicitStep {
             decrement2 <= rounding * rounding || (decrement2 <= noise && decrement2 > 0.8 * last_decrement2);
         fraction = search_line(body, formula, decrement2, noise, energy, executor);
       }
-      flat(velocity_) += static_cast<Scalar>(fraction) * flat(change_);
-      place(body, formula);
-      if (!flat(velocity_).allFinite() || !flat(displacement_).allFinite()) return refused(report, Refusal::overflow);
+      if (!move(body, formula, static_cast<Scalar>(fraction), executor)) return refused(report, Refusal::overflow);
       if (!newton) break;
 
       if (first) energy = body.law().energy(displacement_, energy_scratch_);
@@ -153,13 +153,18 @@ class ImplicitStep {
   template <Executor E>
   void start(const Body& body, const StepFormula<Scalar>& formula, E& executor) {
     if (formula.ahead == 0) {
-      velocity_ = formula.velocity;
+      for_ranges(executor, body.vertex_count(), RangeSum::grain, [&](Index begin, Index end) {
+        range_of(velocity_, begin, end) = range_of(formula.velocity, begin, end);
+      });
       for (std::size_t p = 0; p < body.pins().vertices().size(); ++p)
         velocity_[at(body.pins().vertices()[p])] = pin_velocity(body, formula, p);
       equation_.evaluate(body, executor);
     } else {
-      flat(displacement_) = flat(body.displacements()) + formula.ahead * flat(body.velocities());
-      flat(velocity_) = (flat(displacement_) - flat(formula.position)) / formula.c;
+      for_ranges(executor, body.vertex_count(), RangeSum::grain, [&](Index begin, Index end) {
+        const auto of = [&](auto& field) { return range_of(field, begin, end); };
+        of(displacement_) = of(body.displacements()) + formula.ahead * of(body.velocities());
+        of(velocity_) = (of(displacement_) - of(formula.position)) / formula.c;
+      });
       equation_.evaluate(body, displacement_, executor);
     }
   }
@@ -183,21 +188,41 @@ class ImplicitStep {
     return (body.pins().targets()[pin] - formula.position[at(body.pins().vertices()[pin])]) / formula.c;
   }
 
-  /// displacement_ = xbar + c (velocity_ + fraction change_), and the pins exactly where they go.
-  void place(const Body& body, const StepFormula<Scalar>& formula, Scalar fraction = 0) {
-    if (fraction == 0)
-      flat(displacement_) = flat(formula.position) + formula.c * flat(velocity_);
-    else
-      flat(displacement_) = flat(formula.position) + formula.c * (flat(velocity_) + fraction * flat(change_));
+  /// velocity_ += fraction change_, and displacement_ follows. False if a number is not finite.
+  template <Executor E>
+  [[nodiscard]] bool move(const Body& body, const StepFormula<Scalar>& formula, Scalar fraction, E& executor) {
+    const double not_finite = sum_(executor, [&](Index begin, Index end) {
+      const auto of = [&](auto& field) { return range_of(field, begin, end); };
+      of(velocity_) += fraction * of(change_);
+      of(displacement_) = of(formula.position) + formula.c * of(velocity_);
+      return of(velocity_).allFinite() && of(displacement_).allFinite() ? 0.0 : 1.0;
+    });
+    place_pins(body);
+    return not_finite == 0;
+  }
+
+  /// displacement_ = xbar + c (velocity_ + fraction change_).
+  template <Executor E>
+  void try_move(const Body& body, const StepFormula<Scalar>& formula, Scalar fraction, E& executor) {
+    for_ranges(executor, body.vertex_count(), RangeSum::grain, [&](Index begin, Index end) {
+      const auto of = [&](auto& field) { return range_of(field, begin, end); };
+      of(displacement_) = of(formula.position) + formula.c * (of(velocity_) + fraction * of(change_));
+    });
+    place_pins(body);
+  }
+
+  /// Exactly where they go, without rounding of c v.
+  void place_pins(const Body& body) {
     for (std::size_t p = 0; p < body.pins().vertices().size(); ++p)
       displacement_[at(body.pins().vertices()[p])] = body.pins().targets()[p];
   }
 
   template <Executor E>
-  [[nodiscard]] SolveStatus solve(const Body& body, StepReport& report, E& executor) {
+  [[nodiscard]] SolveStatus solve(const Body& body, Scalar c, StepReport& report, E& executor) {
     const StepSystem<Scalar> system{equation_.matrix(), equation_.right_side(), body.displacements(),
                                     body.pins().vertices(), equation_.era()};
     const SolveReport solve = solver_.solve(system, change_, executor);
+    if (body.pins().vertices().empty()) equation_.settle_momentum(body, c, change_, executor);
     report.iterations += solve.iterations;
     report.residual = std::max(report.residual, solve.residual);
     return solve.status;
@@ -220,7 +245,7 @@ class ImplicitStep {
     const auto along = equation_.along(body, formula.c, change_, executor);
     const double before = elastic, slope = along.elastic - decrement2;
     return backtrack(-decrement2, noise, [&](double fraction) {
-      place(body, formula, static_cast<Scalar>(fraction));
+      try_move(body, formula, static_cast<Scalar>(fraction), executor);
       elastic = body.law().energy(displacement_, energy_scratch_);
       return fraction * (slope + fraction * along.curvature / 2) + elastic - before;
     });
@@ -231,6 +256,7 @@ class ImplicitStep {
   StepEquation<Body> equation_;
   Field<Scalar> change_, velocity_, displacement_;
   std::vector<double> energy_scratch_;
+  RangeSum sum_;
 };
 
 }  // namespace corotet

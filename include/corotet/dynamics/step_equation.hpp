@@ -40,7 +40,8 @@ class StepEquation {
       : evaluation_(body.law(), tangent),
         matrix_(body.pattern()),
         right_side_(at(body.vertex_count()), Vec3<Scalar>::Zero()),
-        sums_(body.vertex_count()) {
+        sums_(body.vertex_count()),
+        momentum_(body.vertex_count()) {
     if (body.damping().stiffness > 0 && linearised_often) damping_.emplace(body.pattern());
   }
 
@@ -122,6 +123,22 @@ class StepEquation {
       right_side_[at(v)].setZero();
       matrix_.isolate(v);
     }
+  }
+
+  /// Adds to the change of velocity of a body without pins the translation that its momentum lacks: whatever the solver
+  /// has left, rows of all stiffnesses sum to zero, so that 1^T A d = (1 + c a) 1^T M d must equal 1^T right_side.
+  template <Executor E>
+  void settle_momentum(const Body& body, Scalar c, Field<Scalar>& d, E& executor) {
+    const Scalar mass = mass_factor(body, c);
+    const auto lacking = momentum_(executor, [&](Index begin, Index end) {
+      Vec3<double> sum = Vec3<double>::Zero();
+      for (Index i = begin; i < end; ++i)
+        sum += (right_side_[at(i)] - mass * body.mass().row_sum(i) * d[at(i)]).template cast<double>();
+      return RangeSums<3>::Sums{sum[0], sum[1], sum[2]};
+    });
+    const Vec3<double> momentum(lacking[0], lacking[1], lacking[2]);
+    const Vec3<Scalar> translation = (momentum / (double(mass) * body.mass().total())).template cast<Scalar>();
+    for_rows(body, executor, [&](Index i) { d[at(i)] += translation; });
   }
 
   /// d . (M + c D) d, J, and c d . f_el, J, at the evaluated state.
@@ -212,6 +229,7 @@ class StepEquation {
   std::optional<BlockMatrix<Scalar>> damping_;  // K' of D, where A alone does not do
   Field<Scalar> right_side_;
   RangeSums<2> sums_;
+  RangeSums<3> momentum_;
   std::uint64_t revision_ = 0;  // of the body's state in evaluation_; 0: of another
   SystemEra era_;
   std::uint64_t era_number_ = 0;
