@@ -182,6 +182,23 @@ TYPED_TEST(Preconditioners, RecoverFromAMatrixThatCannotBeFactored) {
   expect_recovery(warped);
 }
 
+/// What was factored while a body lay collapsed on a line or in a point must still serve once it has unfolded.
+TYPED_TEST(Preconditioners, AggregatesMadeForACollapsedBodyServeWhenItUnfolds) {
+  using Scalar = typename TypeParam::Scalar;
+  const BeamSystem<Scalar, typename TypeParam::Element> unfolded({6, 2, 2});
+  for (const double stretch : {1.0, 0.0}) {
+    const Mat3<double> flat = Vec3<double>(stretch, 0, 0).asDiagonal();
+    const BeamSystem<Scalar, typename TypeParam::Element> collapsed({6, 2, 2}, 5e5, flat);
+    SerialExecutor serial;
+    const auto expect_service = [&](auto&& preconditioner, const char* name) {
+      preconditioner.update(collapsed.system(), serial);
+      EXPECT_LT(iterations(unfolded.system(), preconditioner), 100) << name << " stretch " << stretch;
+    };
+    expect_service(rigid_for(unfolded, 8), "rigid aggregates");
+    expect_service(rigid_for(unfolded, 12, 4), "three levels");
+  }
+}
+
 /// Blocks whose determinant leaves the range of float are still inverted.
 TEST(BlockJacobi, InvertsBlocksOfAnyMagnitude) {
   const auto mesh = testing::block<float, Tet4>({});

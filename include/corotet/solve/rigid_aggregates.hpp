@@ -131,8 +131,7 @@ class RigidAggregates {
     const auto group_if_free = [&](Index v) { return body_.moves[at(v)] == 0 ? -1 : body_.group_of(v); };
     const auto group_offset = [&](Index v) -> Vec3<Scalar> {
       if (body_.coupled) return body_.offset[at(v)].vector();
-      return body_.offset[at(v)].vector() +
-             (body_.part_frames.center[at(body_.parts.of[at(v)])] - body_.group_frames.center[at(body_.group_of(v))]);
+      return body_.offset[at(v)].vector() + body_.arm[at(body_.parts.of[at(v)])];
     };
     for_ranges(executor, body_.groups.count(), 1, [&](Index g, Index) {
       for (Index k = p.row_start[at(g)]; k < p.row_start[at(g) + 1]; ++k) coarse_.block(k).setZero();
@@ -229,16 +228,13 @@ class RigidAggregates {
   template <Executor E>
   void solve_groups(E& executor) {
     const Index groups = body_.group_frames.parts();
-    const auto arm = [&](Index part, Index group) -> Vec3<Scalar> {
-      return body_.part_frames.center[at(part)] - body_.group_frames.center[at(group)];
-    };
     for_ranges(executor, groups, group_grain, [&](Index begin, Index end) {
       for (Index g = begin; g < end; ++g) {
         Vec3<Scalar> force = Vec3<Scalar>::Zero(), torque = force;
         for (const Index a : body_.parts_of(g)) {
           const Vec3<Scalar> f = load_[at(a)].template head<3>(), t = load_[at(a)].template tail<3>();
           force += f;
-          torque += t + arm(a, g).cross(f);
+          torque += t + body_.arm[at(a)].cross(f);
           motion_[at(a)] = world_motion(body_.part_frames, a, part_inverse_[at(a)] * in_axes_of(a));
         }
         group_motion_[at(g)] = body_.group_frames.to_part(g, force, torque);
@@ -250,7 +246,7 @@ class RigidAggregates {
         const SixVector<Scalar> m = world_motion(body_.group_frames, g, group_motion_[at(g)]);
         const Vec3<Scalar> turn = m.template tail<3>();
         for (const Index a : body_.parts_of(g)) {
-          motion_[at(a)].template head<3>() += m.template head<3>() + turn.cross(arm(a, g));
+          motion_[at(a)].template head<3>() += m.template head<3>() + turn.cross(body_.arm[at(a)]);
           motion_[at(a)].template tail<3>() += turn;
         }
       }

@@ -16,13 +16,16 @@
 namespace corotet {
 
 /// What RigidAggregates knows of geometry. Without groups each part is a group of its own, and `group_frames` is empty.
+/// Parts turn as their rest shapes would, not as they are now: it is those motions that the warped stiffness of a
+/// strained part resists least, and a part that is collapsed to a line or a point still has them all.
 template <std::floating_point Scalar>
 struct RigidParts {
   Field<Scalar> rest;        ///< m
   Aggregates parts, groups;  ///< of vertices; of parts
   bool coupled = true;       ///< there are no groups: parts are coupled directly
   RigidFrames<Scalar> part_frames, group_frames;
-  PaddedField<Scalar> offset;       ///< of each vertex from the centre of its part, and 1; zeros if it is pinned
+  PaddedField<Scalar> offset;       ///< of each vertex from its part's centre at rest, turned, and 1; zeros if pinned
+  Field<Scalar> arm;                ///< of each part's centre from its group's at rest, turned; empty without groups
   std::vector<std::uint8_t> moves;  ///< 0: pinned
 
   RigidParts() = default;
@@ -38,6 +41,7 @@ struct RigidParts {
                  ? single_groups()
                  : Aggregates::of_positions(part_frames.rest_center, std::clamp<Index>(group_count, 1, parts.count()));
     group_frames = RigidFrames<Scalar>(coupled ? 0 : groups.count());
+    arm.assign(at(coupled ? 0 : parts.count()), Vec3<Scalar>::Zero());
     for (Index g = 0; g < group_frames.parts(); ++g)
       group_frames.rest_center[at(g)] = group_mean(g, part_frames.rest_center);
   }
@@ -76,9 +80,6 @@ struct RigidParts {
       for (const Index v : vertices_of(part)) {
         const Vec3<Scalar> before = rest[at(v)] - rest_center, now = before + (displacement[at(v)] - mean);
         moment += now * before.transpose();
-        const auto free = static_cast<Scalar>(moves[at(v)]);
-        offset[at(v)].set((free * now).eval());
-        offset[at(v)][3] = free;
       }
       part_frames.rotation[at(part)] = moment;
     });
@@ -95,6 +96,18 @@ struct RigidParts {
     }
     rotations_of_moments(part_frames.rotation, executor);
     rotations_of_moments(group_frames.rotation, executor);
+    for_parts(executor, [&](Index part) {
+      for (const Index v : vertices_of(part)) {
+        const auto free = static_cast<Scalar>(moves[at(v)]);
+        const Vec3<Scalar> from_center = free * (rest[at(v)] - part_frames.rest_center[at(part)]);
+        offset[at(v)].set((part_frames.rotation[at(part)] * from_center).eval());
+        offset[at(v)][3] = free;
+      }
+    });
+    for (Index g = 0; g < group_frames.parts(); ++g)
+      for (const Index part : parts_of(g))
+        arm[at(part)] =
+            group_frames.rotation[at(g)] * (part_frames.rest_center[at(part)] - group_frames.rest_center[at(g)]);
   }
 
  private:
