@@ -78,6 +78,12 @@ void warn(const StepStatistics& steps, const RunFacts& facts) {
                     "solver.max_iterations, loosen solver.tolerance, or use solver.name cholesky",
                     steps.unconverged(), steps.steps(), steps.worst_residual()));
   }
+  if (steps.newton_unconverged() > 0) {
+    say(fmt::format(
+        "Newton's method stopped before its tolerance in {} of {} steps (worst estimate of the error {:.3g}): "
+        "raise integrator.newton, loosen integrator.newton_tolerance, or use smaller steps",
+        steps.newton_unconverged(), steps.steps(), steps.worst_newton_residual()));
+  }
   if (steps.inverted_elements() > 0) {
     say(fmt::format("{} elements are inverted at the end: use smaller steps, gentler pins, or a stiffer material",
                     steps.inverted_elements()));

@@ -45,6 +45,10 @@ void StepStatistics::add(const StepReport& report, const PhaseClock& clock, doub
   solve_ms_.push_back(clock.solve_ms());
   cpu_s_ += cpu_s;
   iterations_ += report.iterations;
+  newton_iterations_ += report.newton_iterations;
+  most_newton_iterations_ = std::max(most_newton_iterations_, report.newton_iterations);
+  worst_newton_residual_ = std::max(worst_newton_residual_, report.newton_residual);
+  if (!report.newton_converged) ++newton_unconverged_;
   most_iterations_ = std::max(most_iterations_, report.iterations);
   worst_residual_ = std::max(worst_residual_, report.residual);
   ++accepted_;
@@ -69,12 +73,15 @@ void StepStatistics::write_to(Json& summary) const {
   summary["solve_ms"] = percentile(solve_ms_, 50);
   summary["iterations"] = {{"mean", mean(iterations_)}, {"max", most_iterations_}};
   summary["residual"] = worst_residual_;
+  summary["newton"] = {{"iterations", {{"mean", mean(newton_iterations_)}, {"max", most_newton_iterations_}}},
+                       {"residual", worst_newton_residual_}};
   summary["inverted_elements"] = last_.inverted_elements;
   summary["inverted_elements_max"] = most_inverted_;
   summary["largest_rotation"] = last_.largest_rotation;
   summary["largest_strain"] = last_.largest_strain;
   summary["status"] = {{"converged", converged_},
                        {"unconverged", accepted_ - converged_},
+                       {"newton_unconverged", newton_unconverged_},
                        {"with_inverted_elements", inverted_},
                        {"refused", refused_}};
 }
@@ -96,7 +103,11 @@ std::string format_summary(const Scene& scene, const RunInput& input, const RunF
   summary["rotation_site"] = scene.rotation_site == RotationSite::point ? "point" : "element";
   summary["dilatation"] = scene.dilatation == Dilatation::mean ? "mean" : "per_element";
   summary["mass"] = scene.mass == MassModel::lumped ? "lumped" : "consistent";
-  summary["integrator"] = {{"name", "implicit_euler"}, {"dt", scene.dt}, {"newton", 1}};
+  summary["integrator"] = {{"name", scene.integrator == IntegratorKind::bdf2 ? "bdf2" : "implicit_euler"},
+                           {"dt", scene.dt},
+                           {"newton", scene.newton.iterations},
+                           {"newton_tolerance", scene.newton.tolerance},
+                           {"tangent", name_of(scene.newton.tangent)}};
   summary["solver"] = {{"name", facts.simulation.solver}};
   if (!facts.simulation.preconditioner.empty()) summary["solver"]["preconditioner"] = facts.simulation.preconditioner;
   summary["solver"]["tolerance"] = scene.solver.tolerance;

@@ -23,6 +23,8 @@ class StepStatistics {
 
   [[nodiscard]] Index steps() const { return accepted_; }
   [[nodiscard]] Index unconverged() const { return accepted_ - converged_; }
+  [[nodiscard]] Index newton_unconverged() const { return newton_unconverged_; }
+  [[nodiscard]] double worst_newton_residual() const { return worst_newton_residual_; }
   [[nodiscard]] Index inverted_elements() const { return last_.inverted_elements; }
   [[nodiscard]] double worst_residual() const { return worst_residual_; }
   [[nodiscard]] double median_step_ms() const;
@@ -33,10 +35,10 @@ class StepStatistics {
  private:
   std::vector<double> step_ms_, assembly_ms_, solve_ms_;
   double cpu_s_ = 0;
-  double iterations_ = 0;
-  int most_iterations_ = 0;
-  double worst_residual_ = 0;
-  Index accepted_ = 0, converged_ = 0, inverted_ = 0, refused_ = 0;
+  double iterations_ = 0, newton_iterations_ = 0;
+  int most_iterations_ = 0, most_newton_iterations_ = 0;
+  double worst_residual_ = 0, worst_newton_residual_ = 0;
+  Index accepted_ = 0, converged_ = 0, newton_unconverged_ = 0, inverted_ = 0, refused_ = 0;
   Index most_inverted_ = 0;
   StepReport last_;
 };

@@ -100,13 +100,20 @@ void read_probe(const Json& value, const std::string& path, Problems& problems, 
 }
 
 void read_integrator(ObjectReader& in, Scene& scene) {
-  int name = 0, newton = 1;
-  in.choice<int>("name", name, {{"implicit_euler", 0}});
+  in.choice("name", scene.integrator,
+            {{"implicit_euler", IntegratorKind::implicit_euler}, {"bdf2", IntegratorKind::bdf2}});
   in.number("dt", scene.dt, Range::above(0));
-  in.integer("newton", newton, 1);
-  if (newton > 1)
-    in.problems().add(in.path_of("newton"),
-                      fmt::format("{} solves a step are not in this version, which has: 1", newton));
+  in.integer("newton", scene.newton.iterations, 1);
+  in.number("newton_tolerance", scene.newton.tolerance, Range::between(0, 1));
+  in.choice("tangent", scene.newton.tangent,
+            {{"plain", Tangent::plain}, {"stretch_stable", Tangent::stretch_stable}, {"exact", Tangent::exact}});
+}
+
+/// What the integrator asks of other keys.
+void check_integrator(const Scene& scene, Problems& problems) {
+  const bool polar = scene.rotation == RotationKind::polar && scene.rotation_site == RotationSite::point;
+  if (scene.newton.tangent == Tangent::exact && !polar)
+    problems.add("integrator.tangent", "exact is known only for \"rotation\": \"polar\" at each point");
 }
 
 void read_solver(ObjectReader& in, SolverOptions& solver) {
@@ -213,6 +220,7 @@ Scene read_scene(const fs::path& path) {
   in.integer("steps", scene.steps, 0);
   in.object("frames", [&](ObjectReader& frames) { frames.integer("every", scene.frames_every, 0); });
   in.refuse_others();
+  check_integrator(scene, problems);
   problems.stop_if_any();
   if (scene.scalar == ScalarKind::single_precision) check_float_range(scene, problems);
   problems.stop_if_any();

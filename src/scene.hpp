@@ -4,6 +4,7 @@
 #include <corotet/assembly/mass.hpp>
 #include <corotet/assembly/mean_dilatation.hpp>
 #include <corotet/core/types.hpp>
+#include <corotet/dynamics/newton_options.hpp>
 #include <corotet/material/material.hpp>
 #include <corotet/solve/auto_solver.hpp>
 #include <filesystem>
@@ -15,6 +16,7 @@ namespace corotet::program {
 enum class ScalarKind { single_precision, double_precision };
 enum class RotationKind { identity, gram_schmidt, polar };
 enum class RotationSite { point, element };
+enum class IntegratorKind { implicit_euler, bdf2 };
 
 /// A displacement at a time; linear in between.
 struct PathPoint {
@@ -50,7 +52,9 @@ struct Scene {
   Dilatation dilatation = Dilatation::per_element;
   RotationKind rotation = RotationKind::polar;
   RotationSite rotation_site = RotationSite::point;
+  IntegratorKind integrator = IntegratorKind::implicit_euler;
   double dt = 1.0 / 60;  ///< s
+  NewtonOptions newton;
   SolverOptions solver;
   std::optional<std::filesystem::path> initial_positions, initial_velocities;
   std::optional<Vec3<double>> initial_velocity;          ///< of all vertices, m/s

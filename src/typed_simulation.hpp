@@ -4,6 +4,7 @@
 #include <corotet/assembly/assemble.hpp>
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/dynamics/bdf2.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <corotet/dynamics/soft_body.hpp>
 #include <corotet/embed/embedded_surface.hpp>
@@ -16,6 +17,7 @@
 #include <optional>
 #include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "failure.hpp"
@@ -34,7 +36,7 @@ class TypedSimulation final : public Simulation {
   using Body = SoftBody<Scalar, Element, Rotation>;
 
   TypedSimulation(const Scene& scene, const MeshData& mesh)
-      : body_(make_body(scene, mesh)), integrator_(body_, scene.solver), dt_(static_cast<Scalar>(scene.dt)) {
+      : body_(make_body(scene, mesh)), integrator_(make_integrator(scene, body_)), dt_(static_cast<Scalar>(scene.dt)) {
     body_.set_gravity(scene.gravity.cast<Scalar>());
   }
 
@@ -45,7 +47,7 @@ class TypedSimulation final : public Simulation {
     facts.flipped_elements = body_.mesh().flipped_elements();
     facts.origin = body_.mesh().origin();
     facts.mass = body_.mass().total();
-    const AutoSolver<Scalar>& solver = integrator_.solver();
+    const auto& solver = std::visit([](const auto& i) -> const AutoSolver<Scalar>& { return i.solver(); }, integrator_);
     facts.solver = solver.method() == SolverMethod::cholesky ? "cholesky" : "pcg";
     if (solver.method() != SolverMethod::cholesky) facts.preconditioner = name_of(solver.preconditioner());
     facts.predicted_products = solver.predicted_products();
@@ -82,7 +84,7 @@ class TypedSimulation final : public Simulation {
   }
 
   StepReport step(double h, ThreadPool& pool, PhaseClock& clock) override {
-    return integrator_.step(body_, static_cast<Scalar>(h), pool, clock);
+    return std::visit([&](auto& i) { return i.step(body_, static_cast<Scalar>(h), pool, clock); }, integrator_);
   }
 
   [[nodiscard]] Vec3<double> position(Index vertex) const override { return rest(vertex) + displacement(vertex); }
@@ -154,6 +156,13 @@ class TypedSimulation final : public Simulation {
   }
 
  private:
+  using Integrator = std::variant<ImplicitEuler<Body>, Bdf2<Body>>;
+
+  static Integrator make_integrator(const Scene& scene, const Body& body) {
+    if (scene.integrator == IntegratorKind::bdf2) return Bdf2<Body>(body, scene.solver, scene.newton);
+    return ImplicitEuler<Body>(body, scene.solver, scene.newton);
+  }
+
   static Body make_body(const Scene& scene, const MeshData& mesh) {
     Problems problems(scene.file.string());
     auto checked = TetMesh<Scalar, Element>::create(mesh, local_origin<Scalar>(mesh));
@@ -194,7 +203,7 @@ class TypedSimulation final : public Simulation {
   }
 
   Body body_;
-  ImplicitEuler<Body> integrator_;
+  Integrator integrator_;
   Scalar dt_;
   Field<Scalar> pinned_at_;
   std::optional<EmbeddedSurface<Scalar, Element>> surface_;

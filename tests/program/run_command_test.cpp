@@ -51,8 +51,9 @@ TEST_F(RunCommand, WritesEveryFileAndKey) {
   EXPECT_LE(summary["step_ms"]["median"], summary["step_ms"]["p99"]);
   for (const char* key : {"setup_ms", "assembly_ms", "solve_ms", "peak_rss_mb", "spmv_us"})
     EXPECT_GT(summary[key], 0) << key;
-  EXPECT_EQ(summary["status"],
-            Json::parse(R"({"converged":5,"unconverged":0,"with_inverted_elements":0,"refused":0})"));
+  EXPECT_EQ(
+      summary["status"],
+      Json::parse(R"({"converged":5,"unconverged":0,"newton_unconverged":0,"with_inverted_elements":0,"refused":0})"));
   EXPECT_EQ(summary["completed"], true);
   EXPECT_EQ(summary["steps"], 5);
   EXPECT_EQ(summary["order"], 2);
@@ -240,6 +241,34 @@ TEST_F(RunCommand, RefusedStepEndsTheRunAndSaysWhy) {
   EXPECT_EQ(summary["completed"], false);
   EXPECT_EQ(summary["status"]["refused"], 1);
   EXPECT_EQ(summary["steps"], 0);
+}
+
+// BDF2 with Newton's method: what was asked for is in the summary, and what it came to; too few solves are warned of.
+TEST_F(RunCommand, NewtonIsReported) {
+  must("mesh beam --cells 8 2 2 -o beam.msh");
+  const auto scene = [](const std::string& integrator) {
+    return R"({"mesh": "beam.msh", "pins": [{"box": [[0,0,0],[0,1,1]]}], "steps": 5, "integrator": {)" + integrator +
+           "}}";
+  };
+  run(scene(R"("name": "bdf2", "newton": 9, "newton_tolerance": 0.01, "tangent": "exact")"));
+  Json summary = read_json("out/summary.json");
+  EXPECT_EQ(summary["integrator"]["name"], "bdf2");
+  EXPECT_EQ(summary["integrator"]["newton"], 9);
+  EXPECT_EQ(summary["integrator"]["newton_tolerance"], 0.01);
+  EXPECT_EQ(summary["integrator"]["tangent"], "exact");
+  EXPECT_EQ(summary["status"]["newton_unconverged"], 0);
+  EXPECT_GE(summary["newton"]["iterations"]["mean"], 1);
+  EXPECT_LE(summary["newton"]["iterations"]["max"], 5);
+  EXPECT_GT(summary["newton"]["residual"], 0);
+  EXPECT_LE(summary["newton"]["residual"], 0.01);
+
+  write("scene.json", scene(R"("newton": 2, "newton_tolerance": 1e-7, "tangent": "plain")"));
+  const Outcome outcome = corotet("run scene.json -o out");
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_NE(outcome.err.find("Newton's method stopped before its tolerance in "), std::string::npos) << outcome.err;
+  summary = read_json("out/summary.json");
+  EXPECT_GT(summary["status"]["newton_unconverged"], 0);
+  EXPECT_EQ(summary["newton"]["iterations"]["max"], 2);
 }
 
 TEST_F(RunCommand, UnconvergedStepsAreCountedAndWarnedOf) {
