@@ -46,7 +46,7 @@ class RigidAggregates {
   [[nodiscard]] static Sizes sizes_for(Index vertices) {
     constexpr Index least = 27, most = 60, most_coupled_parts = 1000;
     if (vertices > most * most_coupled_parts) return {vertices / least, std::min<Index>(vertices / 230, 2000)};
-    return {vertices / std::clamp<Index>(vertices / 120, least, most), 0};
+    return {vertices / std::clamp<Index>(vertices / 150, least, most), 0};
   }
 
   RigidAggregates() = default;
