@@ -15,5 +15,7 @@ struct Command {
 [[nodiscard]] Command add_check_command(CLI::App& app);
 [[nodiscard]] Command add_run_command(CLI::App& app);
 [[nodiscard]] Command add_bench_command(CLI::App& app);
+[[nodiscard]] Command add_report_command(CLI::App& app);
+[[nodiscard]] Command add_tune_command(CLI::App& app);
 
 }  // namespace corotet::program

@@ -32,8 +32,9 @@ int run(int argc, char** argv) {
       "`corotet COMMAND --help` tells more. Exit code: 0 if all that was asked was done, 1 if not, 2 for a command "
       "line\n"
       "that was not understood.");
-  const Command commands[] = {corotet::program::add_mesh_command(app), corotet::program::add_check_command(app),
-                              corotet::program::add_run_command(app), corotet::program::add_bench_command(app)};
+  const Command commands[] = {corotet::program::add_mesh_command(app),   corotet::program::add_check_command(app),
+                              corotet::program::add_run_command(app),    corotet::program::add_bench_command(app),
+                              corotet::program::add_report_command(app), corotet::program::add_tune_command(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

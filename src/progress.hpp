@@ -15,6 +15,8 @@ class Progress {
   ~Progress();
 
   void show(int steps_done);
+  /// The same, with `what` is being done in place of the number of steps.
+  void show(int steps_done, const std::string& what);
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -1,9 +1,6 @@
 #include <cstdlib>
-#include <map>
-#include <sstream>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "program_runner.hpp"
 
@@ -12,28 +9,7 @@ namespace {
 using corotet::testing::Outcome;
 using corotet::testing::ProgramTest;
 
-class BenchCommand : public ProgramTest {
- protected:
-  /// The rows of a table in CSV, by column.
-  [[nodiscard]] std::vector<std::map<std::string, std::string>> read_csv(const std::string& name) const {
-    std::istringstream text(read(name));
-    std::vector<std::string> columns;
-    std::vector<std::map<std::string, std::string>> rows;
-    for (std::string line; std::getline(text, line);) {
-      std::istringstream cells(line);
-      std::vector<std::string> row;
-      for (std::string cell; std::getline(cells, cell, ',');) row.push_back(cell);
-      if (columns.empty()) {
-        columns = row;
-        continue;
-      }
-      EXPECT_EQ(row.size(), columns.size()) << line;
-      auto& named = rows.emplace_back();
-      for (std::size_t i = 0; i < row.size(); ++i) named[columns[i]] = row[i];
-    }
-    return rows;
-  }
-};
+class BenchCommand : public ProgramTest {};
 
 /// No times are tested, only that they are there; errors are, for they do not depend on the machine.
 TEST_F(BenchCommand, PrintsCostsWithTheirErrors) {

@@ -9,7 +9,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -69,6 +71,33 @@ class ProgramTest : public ::testing::Test {
   [[nodiscard]] std::vector<double> read_numbers(const std::string& name) const {
     std::ifstream stream(file(name));
     return {std::istream_iterator<double>(stream), {}};
+  }
+
+  /// The rows of a table in CSV, by column. Cells in quotes may hold commas.
+  [[nodiscard]] std::vector<std::map<std::string, std::string>> read_csv(const std::string& name) const {
+    std::istringstream text(read(name));
+    std::vector<std::string> columns;
+    std::vector<std::map<std::string, std::string>> rows;
+    for (std::string line; std::getline(text, line);) {
+      std::vector<std::string> cells(1);
+      bool quoted = false;
+      for (const char c : line) {
+        if (c == '"')
+          quoted = !quoted;
+        else if (c == ',' && !quoted)
+          cells.emplace_back();
+        else
+          cells.back() += c;
+      }
+      if (columns.empty()) {
+        columns = cells;
+        continue;
+      }
+      EXPECT_EQ(cells.size(), columns.size()) << line;
+      auto& row = rows.emplace_back();
+      for (std::size_t i = 0; i < cells.size() && i < columns.size(); ++i) row[columns[i]] = cells[i];
+    }
+    return rows;
   }
 
   /// A row of probes.csv.
