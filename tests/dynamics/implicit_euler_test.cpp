@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "support/bodies.hpp"
+#include "support/solver_choice.hpp"
 #include "support/solver_instances.hpp"
 
 namespace corotet {
@@ -147,7 +148,7 @@ TYPED_TEST(Dynamics, AngularMomentumOfAFreeBodyIsKept) {
       return sum;
     };
     const double start = momentum();
-    ImplicitEuler euler(body, SolverOptions{.tolerance = 1e-5});
+    ImplicitEuler euler(body, testing::solver({.tolerance = 1e-5}));
     const int steps = static_cast<int>(3 * 2 * std::numbers::pi / turn);
     for (int step = 0; step < steps; ++step) ASSERT_TRUE(euler.step(body, Scalar(h)).accepted());
     EXPECT_GT(momentum(), 0.99 * start) << "h omega = " << turn;
@@ -163,7 +164,7 @@ TYPED_TEST(Dynamics, FreeFallDoesNotDeform) {
       testing::block<Scalar, Element>({.size = {0.4, 0.3, 0.2}, .cells = {2, 2, 1}}), soft));
   body.set_gravity({0, Scalar(-10), 0});
   // The first step has nothing to start from: it deforms the body by what the solver leaves.
-  ImplicitEuler euler(body, SolverOptions{.tolerance = sizeof(Scalar) == 4 ? 1e-5 : 1e-12});
+  ImplicitEuler euler(body, testing::solver({.tolerance = sizeof(Scalar) == 4 ? 1e-5 : 1e-12}));
   StepReport report;
   for (int step = 0; step < 100; ++step) {
     report = euler.step(body, Scalar(0.01));
@@ -180,7 +181,7 @@ TYPED_TEST(Dynamics, RestStaysAtRest) {
   using Scalar = typename TypeParam::Scalar;
   auto body = beam<Scalar, typename TypeParam::Element>({5, 1, 1});
   body.set_gravity(Vec3<Scalar>::Zero());
-  ImplicitEuler euler(body);
+  ImplicitEuler euler(body, testing::solver());
   for (int step = 0; step < 50; ++step) ASSERT_TRUE(euler.step(body, Scalar(0.02)).ok());
   for (const auto& u : body.displacements()) EXPECT_LT(double(u.norm()), 1e-6);
 }
@@ -190,7 +191,7 @@ TYPED_TEST(Dynamics, LedPinsArriveExactlyAndTheBodyFollows) {
   using Scalar = typename TypeParam::Scalar;
   auto body = beam<Scalar, typename TypeParam::Element>({5, 1, 1}, {.damping = {.mass = 4, .stiffness = 0.05}});
   body.set_gravity(Vec3<Scalar>::Zero());
-  ImplicitEuler euler(body, SolverOptions{.tolerance = 1e-5});
+  ImplicitEuler euler(body, testing::solver({.tolerance = 1e-5}));
   const Mat3<double> quarter = Eigen::AngleAxisd(std::numbers::pi / 2, Vec3<double>::UnitY()).toRotationMatrix();
   StepReport report;
   for (int step = 1; step <= 300; ++step) {
@@ -222,7 +223,7 @@ TYPED_TEST(Dynamics, ReleasedVerticesAreFree) {
   }
   EXPECT_GT(count, 0);
   EXPECT_TRUE(body.pins().vertices().empty());
-  ImplicitEuler euler(body, SolverOptions{.tolerance = 1e-5});
+  ImplicitEuler euler(body, testing::solver({.tolerance = 1e-5}));
   for (int step = 0; step < 10; ++step) ASSERT_TRUE(euler.step(body, Scalar(0.1)).accepted());
   for (const auto& u : body.displacements()) EXPECT_NEAR(double(u.z()), -9.81 * 0.01 * 55, 1e-3);
 }
@@ -291,7 +292,7 @@ void expect_untouched(const Body& now, const Body& before) {
 TYPED_TEST(Dynamics, BadInputIsRefusedByNameAndChangesNothing) {
   using Scalar = typename TypeParam::Scalar;
   auto body = beam<Scalar, typename TypeParam::Element>({3, 1, 1});
-  ImplicitEuler euler(body);
+  ImplicitEuler euler(body, testing::solver());
   ASSERT_TRUE(euler.step(body, Scalar(0.01)).accepted());
   const auto before = body;
   constexpr Scalar nan = std::numeric_limits<Scalar>::quiet_NaN(), infinity = std::numeric_limits<Scalar>::infinity();
@@ -371,7 +372,7 @@ TYPED_TEST(Dynamics, InvertedElementsAreCountedInTheStateAfterTheStep) {
   auto body = beam<Scalar, typename TypeParam::Element>({3, 1, 1});
   body.set_gravity(Vec3<Scalar>::Zero());
   for (Index v = 0; v < body.vertex_count(); ++v) body.pins().pin(v, Vec3<Scalar>::Zero());  // nothing may move back
-  ImplicitEuler euler(body);
+  ImplicitEuler euler(body, testing::solver());
   EXPECT_EQ(euler.step(body, Scalar(0.01)).inverted_elements, 0);
   for (Index v = 0; v < body.vertex_count(); ++v)
     body.pins().pin(v, {-2 * body.mesh().position(v).x(), 0, 0});  // mirror

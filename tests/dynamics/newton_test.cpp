@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "support/bodies.hpp"
+#include "support/solver_choice.hpp"
 #include "support/solver_instances.hpp"
 
 namespace corotet {
@@ -26,7 +27,7 @@ TEST(Newton, ReproducesTheConvergedReferenceBeam) {
   auto body = testing::cantilever<double, Tet4>(
       {.corner = {0, -0.1, -0.1}, .size = {1, 0.2, 0.2}, .cells = {20, 4, 4}, .split = BlockSplit::kuhn6}, soft, 9.81,
       {.mass = MassModel::consistent, .damping = {}});
-  ImplicitEuler euler(body, SolverOptions{.tolerance = 1e-4},
+  ImplicitEuler euler(body, testing::solver({.tolerance = 1e-4}),
                       NewtonOptions{.iterations = 10, .tolerance = 1e-5, .tangent = Tangent::exact});
   const Index tip = body.mesh().nearest_vertex({1, 0, 0});
   int solves = 0;
@@ -143,7 +144,7 @@ TYPED_TEST(NewtonSteps, AStretchedBarComesToRest) {
         const Scalar x = body.mesh().position(v).x();
         if (x < Scalar(1e-6) || x > Scalar(1 - 1e-6)) body.pins().pin(v, {x * Scalar(held.stretch - 1), 0, 0});
       }
-      ImplicitEuler euler(body, SolverOptions{}, newton);
+      ImplicitEuler euler(body, testing::solver(), newton);
       for (int step = 0; step < 120; ++step) EXPECT_TRUE(euler.step(body, Scalar(1.0 / 60)).accepted());
       return largest_speed(body);
     };
@@ -175,7 +176,7 @@ double spin_kept(Body body, const NewtonOptions& newton) {
     return sum;
   };
   const double start = momentum();
-  Integrator integrator(body, SolverOptions{.tolerance = 1e-5}, newton);
+  Integrator integrator(body, testing::solver({.tolerance = 1e-5}), newton);
   for (int step = 0; step < int(10 * 2 * std::numbers::pi / turn); ++step)
     EXPECT_TRUE(integrator.step(body, Scalar(h)).accepted());
   return momentum() / start;
@@ -208,7 +209,7 @@ TYPED_TEST(NewtonSteps, AnIndefiniteHessianIsProjectedAndNotRefused) {
         body.mesh(), [](const Vec3<double>& x) { return Vec3<double>(0.75 * x.x(), x.y(), x.z()); })));
     body.pin_where([](const auto& x) { return x.x() < Scalar(1e-6) || x.x() > Scalar(1 - 1e-6); });
     body.external_forces()[at(body.mesh().nearest_vertex({0.5, 0, 0}))].y() = 1;
-    ImplicitEuler euler(body, SolverOptions{}, NewtonOptions{.iterations = iterations, .tangent = Tangent::exact});
+    ImplicitEuler euler(body, testing::solver(), NewtonOptions{.iterations = iterations, .tangent = Tangent::exact});
     for (int step = 0; step < 120; ++step) {
       const StepReport report = euler.step(body, Scalar(1.0 / 60));
       ASSERT_TRUE(report.accepted()) << report.advice();
@@ -226,7 +227,7 @@ TYPED_TEST(NewtonSteps, SayWhetherTheyConverged) {
   body.pin_where([](const auto& x) { return x.x() < Scalar(1e-6); });
   body.set_gravity({0, 0, Scalar(-9.81)});
   auto resting = body;
-  ImplicitEuler two(body, SolverOptions{}, NewtonOptions{.iterations = 2, .tolerance = 1e-14});
+  ImplicitEuler two(body, testing::solver(), NewtonOptions{.iterations = 2, .tolerance = 1e-14});
   StepReport report;
   for (int step = 0; step < 5; ++step) report = two.step(body, Scalar(0.1));
   EXPECT_TRUE(report.accepted());
@@ -236,7 +237,7 @@ TYPED_TEST(NewtonSteps, SayWhetherTheyConverged) {
   EXPECT_EQ(report.newton_iterations, 2);
   EXPECT_GT(report.newton_residual, 1e-14);
 
-  ImplicitEuler many(resting, SolverOptions{}, NewtonOptions{.iterations = 20, .tangent = Tangent::exact});
+  ImplicitEuler many(resting, testing::solver(), NewtonOptions{.iterations = 20, .tangent = Tangent::exact});
   for (int step = 0; step < 100; ++step) {
     report = many.step(resting, Scalar(0.2));
     EXPECT_TRUE(report.newton_converged) << "step " << step << " residual " << report.newton_residual;
@@ -247,7 +248,7 @@ TYPED_TEST(NewtonSteps, SayWhetherTheyConverged) {
   for (const NewtonOptions& bad :
        {NewtonOptions{.iterations = 0}, NewtonOptions{.tolerance = 0}, NewtonOptions{.tolerance = 1},
         NewtonOptions{.tolerance = std::numeric_limits<double>::quiet_NaN()}}) {
-    ImplicitEuler euler(body, SolverOptions{}, bad);
+    ImplicitEuler euler(body, testing::solver(), bad);
     report = euler.step(body, Scalar(0.1));
     EXPECT_EQ(report.refusal, Refusal::newton_options);
     EXPECT_STRNE(report.advice(), "");

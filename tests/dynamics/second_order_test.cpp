@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "support/bodies.hpp"
+#include "support/solver_choice.hpp"
 #include "support/solver_instances.hpp"
 
 namespace corotet {
@@ -150,7 +151,7 @@ TYPED_TEST(Bdf2Motion, LinearMomentumOfAFreeBodyIsKept) {
     return sum;
   };
   const Vec3<double> start = momentum();
-  Bdf2 integrator(body, SolverOptions{.tolerance = sizeof(Scalar) == 4 ? 1e-5 : 1e-12});
+  Bdf2 integrator(body, testing::solver({.tolerance = sizeof(Scalar) == 4 ? 1e-5 : 1e-12}));
   for (int step = 0; step < 50; ++step) ASSERT_TRUE(integrator.step(body, Scalar(0.01)).accepted());
   EXPECT_LT((momentum() - start).norm(), (sizeof(Scalar) == 4 ? 1e-3 : 1e-9) * start.norm());
 }
@@ -163,7 +164,7 @@ TYPED_TEST(Bdf2Motion, FreeFlightIsExact) {
     auto body = free_block<Scalar, typename TypeParam::Element>();
     body.set_gravity({0, Scalar(-g), 0});
     must(body.set_velocities(Field<Scalar>(at(body.vertex_count()), Vec3<Scalar>(1, 2, 0))));
-    Bdf2 integrator(body, SolverOptions{.tolerance = sizeof(Scalar) == 4 ? 1e-5 : 1e-12});
+    Bdf2 integrator(body, testing::solver({.tolerance = sizeof(Scalar) == 4 ? 1e-5 : 1e-12}));
     const int steps = 64;
     const double h = 1.0 / 64;
     StepReport report;
