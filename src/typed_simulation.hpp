@@ -172,7 +172,8 @@ class TypedSimulation final : public Simulation {
                                (unused_vertex ? "; `corotet mesh --from FILE --clean` writes a mesh without it" : ""));
     }
     problems.stop_if_any();
-    return require(Body::create(std::move(checked).value(), scene.material, {scene.mass, scene.damping, scene.dilatation}));
+    return require(
+        Body::create(std::move(checked).value(), scene.material, {scene.mass, scene.damping, scene.dilatation}));
   }
 
   [[nodiscard]] Vec3<double> rest(Index vertex) const {
