@@ -17,5 +17,6 @@ struct Command {
 [[nodiscard]] Command add_bench_command(CLI::App& app);
 [[nodiscard]] Command add_report_command(CLI::App& app);
 [[nodiscard]] Command add_tune_command(CLI::App& app);
+[[nodiscard]] Command add_stress_command(CLI::App& app);
 
 }  // namespace corotet::program

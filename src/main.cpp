@@ -34,7 +34,8 @@ int run(int argc, char** argv) {
       "that was not understood.");
   const Command commands[] = {corotet::program::add_mesh_command(app),   corotet::program::add_check_command(app),
                               corotet::program::add_run_command(app),    corotet::program::add_bench_command(app),
-                              corotet::program::add_report_command(app), corotet::program::add_tune_command(app)};
+                              corotet::program::add_report_command(app), corotet::program::add_tune_command(app),
+                              corotet::program::add_stress_command(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

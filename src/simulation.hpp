@@ -5,6 +5,7 @@
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/step_report.hpp>
+#include <corotet/material/material.hpp>
 #include <corotet/mesh/mesh_data.hpp>
 #include <corotet/mesh/surface_mesh.hpp>
 #include <memory>
@@ -61,11 +62,16 @@ class Simulation {
   virtual Status set_positions(const Field<double>& positions) = 0;
   virtual Status set_velocities(const Field<double>& velocities) = 0;
 
+  /// One for the whole body, or one an element. The mass follows.
+  virtual Status set_materials(const Materials& materials) = 0;
+
   /// Forces besides gravity from now on, N, one a vertex. One that is infinite in this precision refuses the step.
   virtual void set_forces(const Field<double>& forces) = 0;
 
   /// Holds a vertex where it is now.
   virtual void pin(Index vertex) = 0;
+  /// Lets go of it.
+  virtual void release(Index vertex) = 0;
   /// Where a pinned vertex shall be after the next step, relative to where it was pinned.
   virtual void move_pin(Index vertex, const Vec3<double>& displacement) = 0;
 

@@ -68,6 +68,8 @@ class TypedSimulation final : public Simulation {
     return body_.set_velocities(rounded);
   }
 
+  Status set_materials(const Materials& materials) override { return body_.set_materials(materials); }
+
   void set_forces(const Field<double>& forces) override {
     for (Index v = 0; v < size_of(forces); ++v) body_.external_forces()[at(v)] = forces[at(v)].template cast<Scalar>();
   }
@@ -78,6 +80,8 @@ class TypedSimulation final : public Simulation {
     pinned_at_.resize(at(body_.vertex_count()));
     pinned_at_[at(vertex)] = here;
   }
+
+  void release(Index vertex) override { body_.pins().release(vertex); }
 
   void move_pin(Index vertex, const Vec3<double>& displacement) override {
     body_.pins().move(vertex, pinned_at_[at(vertex)] + displacement.cast<Scalar>());

@@ -1,0 +1,67 @@
+// The ways to run a body that the hard cases are tried with.
+#pragma once
+
+#include <corotet/assembly/mean_dilatation.hpp>
+#include <corotet/assembly/twist_modes.hpp>
+#include <corotet/core/types.hpp>
+#include <corotet/solve/auto_solver.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "../scene.hpp"
+
+namespace corotet::program::stress {
+
+enum class Stepping {
+  euler,   ///< backward Euler, one linear solve: the library's default
+  newton,  ///< the same, solved by Newton's method with the exact tangent
+  bdf2     ///< second order, one linear solve
+};
+
+struct SolverChoice {
+  std::string_view name;
+  SolverMethod method;
+  PreconditionerKind preconditioner;
+};
+
+struct Ratio {
+  std::string_view name;  ///< "nu=.3"
+  double poisson;
+  Dilatation dilatation;
+};
+
+struct Configuration {
+  int order = 1;  ///< 1: Tet4, 2: Tet10
+  ScalarKind scalar = ScalarKind::single_precision;
+  Stepping stepping = Stepping::euler;
+  SolverChoice solver{"auto", SolverMethod::automatic, PreconditionerKind::automatic};
+  Ratio ratio{"nu=.3", 0.3, Dilatation::per_element};
+  std::optional<Tangent> tangent;  ///< instead of the stepping's own
+
+  /// "tet4 float euler auto nu=.3": the words that --only knows.
+  [[nodiscard]] std::string name() const;
+
+  /// "tet4 float euler": the column of the table that it belongs to.
+  [[nodiscard]] std::string column() const;
+
+  [[nodiscard]] bool has_word(std::string_view word) const;
+  [[nodiscard]] bool in_double() const { return scalar == ScalarKind::double_precision; }
+
+  /// E = 5e5 Pa, 1000 kg/m^3, no gravity, no damping, h = 1/60 s; all else as in a scene that does not say.
+  [[nodiscard]] Scene scene() const;
+
+  /// The same for bodies that shall come to rest. Backward Euler needs nothing for that; the second order formula keeps
+  /// slow motion, and is given the damping 2/s M.
+  [[nodiscard]] Scene settling_scene() const;
+};
+
+/// What a case depends on.
+enum class Solvers { all, two };   ///< two: auto and Cholesky, for runs of many steps
+enum class Ratios { all, three };  ///< three: 0.3 and .499 with and without mean dilatation
+
+[[nodiscard]] std::vector<SolverChoice> solver_choices(Solvers which);
+[[nodiscard]] std::vector<Ratio> ratios(Ratios which);
+
+}  // namespace corotet::program::stress

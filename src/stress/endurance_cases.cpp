@@ -1,0 +1,138 @@
+// Ten thousand steps: energy that grows, drift and jitter show in the end.
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "case.hpp"
+#include "trial.hpp"
+
+namespace corotet::program::stress {
+namespace {
+
+/// How far the energy has ever risen above its lowest level before.
+class EnergyWatch {
+ public:
+  void see(double energy) {
+    if (!std::isfinite(energy)) rise_ = energy;
+    rise_ = std::max(rise_, energy - lowest_);
+    lowest_ = std::min(lowest_, energy);
+  }
+  [[nodiscard]] double rise() const { return rise_; }
+
+ private:
+  double rise_ = 0, lowest_ = std::numeric_limits<double>::infinity();
+};
+
+/// Falls under gravity and swings. The scale is the kinetic energy of its first swing.
+Verdict swing(const Configuration& configuration, int steps) {
+  Scene scene = configuration.scene();
+  scene.gravity = {0, 0, -9.81};
+  Trial trial(scene, bar(configuration.order));
+  trial.pin(at_left_end);
+  EnergyWatch energy;
+  energy.see(trial.energy());
+  double scale = 0;
+  trial.run(steps, [&] {
+    energy.see(trial.energy());
+    scale = std::max(scale, trial.kinetic_energy());
+    return false;
+  });
+  Verdict verdict;
+  trial.report_to(verdict);
+  verdict.at_most("rise of the energy, of the swing's", energy.rise() / scale, 1e-3);
+  return verdict;
+}
+
+Verdict spin_long(const Configuration& configuration, int steps) {
+  const Scene scene = configuration.scene();
+  Trial trial(scene, block(configuration.order));
+  const Vec3<double> centre = trial.centre();
+  trial.push([&](Index v) { return Vec3<double>(0, 0, 0.1 / scene.dt).cross(trial.rest(v) - centre).eval(); });
+  const double at_first = trial.energy(), momentum = trial.angular_momentum().norm();
+  EnergyWatch energy;
+  energy.see(at_first);
+  trial.run(steps, [&] {
+    energy.see(trial.energy());
+    return false;
+  });
+  Verdict verdict;
+  trial.report_to(verdict);
+  verdict.at_most("rise of the energy", energy.rise() / at_first, 1e-3);
+  verdict.note("angular momentum kept", trial.angular_momentum().norm() / momentum);
+  return verdict;
+}
+
+/// Comes to rest under gravity, damped (2/s M); then it must stay there.
+Verdict rest(const Configuration& configuration, int steps) {
+  Scene scene = configuration.scene();
+  scene.gravity = {0, 0, -9.81};
+  scene.damping.mass = 2;
+  Trial trial(scene, block(configuration.order));
+  trial.pin(at_left_end);
+  trial.run(1200);
+  Field<double> settled;
+  for (Index v = 0; v < trial.vertices(); ++v) settled.push_back(trial.body().displacement(v));
+  double drift = 0, jitter = 0;
+  trial.run(steps, [&] {
+    jitter = std::max(jitter, trial.largest_speed() * scene.dt);
+    for (Index v = 0; v < trial.vertices(); ++v)
+      drift = std::max(drift, (trial.body().displacement(v) - settled[at(v)]).norm());
+    return false;
+  });
+  Verdict verdict;
+  trial.report_to(verdict);
+  verdict.at_most("drift, of the size", drift, 1e-6);
+  verdict.at_most("motion in a step, of the size", jitter, 1e-6);
+  return verdict;
+}
+
+/// One end is led around: turned three times to and fro, and sheared by half the length. Then it is held at rest again.
+Verdict lead(const Configuration& configuration, int steps) {
+  Trial trial(configuration.settling_scene(), bar(configuration.order));
+  trial.pin(at_left_end);
+  const auto right = trial.pin([](const Vec3<double>& x) { return x.x() > 1 - 1e-9; });
+  const int moving = steps * 9 / 10;
+  for (int i = 1; i <= moving; ++i) {
+    const double t = 2 * std::numbers::pi * i / moving;
+    for (const Index v : right) {
+      const Vec3<double> arm(0, trial.rest(v).y(), trial.rest(v).z());
+      const Vec3<double> shear(0, 0.5 * std::sin(2 * t), 0.25 * (1 - std::cos(3 * t)));
+      trial.body().move_pin(
+          v, Eigen::AngleAxisd(4 * std::numbers::pi * std::sin(t), Vec3<double>::UnitX()) * arm - arm + shear);
+    }
+    if (!trial.step()) break;
+  }
+  EnergyWatch energy;
+  trial.run(steps - moving, [&] {
+    energy.see(trial.energy());
+    return false;
+  });
+  Verdict verdict;
+  trial.report_to(verdict);
+  verdict.at_most("rise of the energy after the pins stop, J", energy.rise(), 1e-3);
+  verdict.at_most("rms to rest", trial.rms_to_rest(), 1e-3);
+  return verdict;
+}
+
+}  // namespace
+
+void add_endurance_cases(std::vector<Case>& cases) {
+  const auto add = [&](const char* name, const char* set_up, const char* criterion,
+                       Verdict (*run)(const Configuration&, int)) {
+    cases.push_back({name, set_up, criterion, Solvers::two, ratios(Ratios::three),
+                     [run](const Configuration& c, const Effort& effort) { return run(c, effort.long_steps); }});
+  };
+  add("long-swing", "bar held at one end falls and swings, no damping, 10,000 steps",
+      "energy never rises above what it was by more than 1e-3 of the swing's", swing);
+  add("long-spin", "free block spins, h omega = 0.1, 10,000 steps", "energy never rises by more than 1e-3 of it",
+      spin_long);
+  add("long-rest", "block at rest under gravity, damping 2/s M, 10,000 steps",
+      "drift and motion in a step <= 1e-6 of its length", rest);
+  add("long-lead", "bar, one end turned +-2 turns and sheared by half its length in 9,000 steps, then held",
+      "finite; then energy does not rise by 1e-3 J and rms to rest <= 1e-3 m", lead);
+}
+
+}  // namespace corotet::program::stress

@@ -1,0 +1,93 @@
+// Bodies that start far from any sensible shape.
+#include <fmt/core.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "case.hpp"
+#include "trial.hpp"
+
+namespace corotet::program::stress {
+namespace {
+
+/// Where a free vertex starts that rests at x.
+using Collapse = Vec3<double> (*)(const Vec3<double>& x);
+
+Verdict recover(const Configuration& configuration, double h, Collapse collapse) {
+  Scene scene = configuration.scene();
+  scene.dt = h;
+  if (h < 0.05) scene.damping.mass = 2;
+  Trial trial(scene, block(configuration.order));
+  trial.pin(at_left_end);
+  trial.place([&](Index v) { return at_left_end(trial.rest(v)) ? trial.rest(v) : collapse(trial.rest(v)); });
+  trial.run(static_cast<int>(std::lround(10 / h)));
+  Verdict verdict;
+  trial.report_to(verdict);
+  verdict.at_most("inverted elements", trial.last().inverted_elements, 0);
+  verdict.at_most("rms to rest", trial.rms_to_rest(), 1e-3);
+  return verdict;
+}
+
+void add_collapse(std::vector<Case>& cases, const std::string& name, const std::string& how, Collapse collapse) {
+  for (const auto& [suffix, words, h] :
+       {std::tuple{"60", "h = 1/60, damping 2/s M", 1.0 / 60}, std::tuple{"10", "h = 1/10, no damping", 1.0 / 10}})
+    cases.push_back({name + "-" + suffix, "block held at one end, the rest of it " + how + "; " + words,
+                     "after 10 s no inverted element, rms to rest <= 1e-3 m", Solvers::all, ratios(Ratios::all),
+                     [h = h, collapse](const Configuration& c, const Effort&) { return recover(c, h, collapse); }});
+}
+
+/// A start for each seed. Recovered: back at rest. Stuck: at rest elsewhere, which must show as inverted elements.
+Verdict recover_from_chaos(const Configuration& configuration, const Effort& effort) {
+  const Scene scene = configuration.settling_scene();
+  Verdict verdict;
+  int recovered = 0, moving = 0, stuck = 0, silent = 0;
+  Trial trial(scene, block(configuration.order));
+  trial.pin(at_left_end);
+  for (int seed = 1; seed <= effort.seeds; ++seed) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(seed));
+    const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+    trial.push([](Index) { return Vec3<double>::Zero().eval(); });
+    trial.place([&](Index v) {
+      const Vec3<double> x(unit(), unit() / 2, unit() / 2);
+      return at_left_end(trial.rest(v)) ? trial.rest(v) : x;
+    });
+    int quiet = 0;
+    trial.run(1200, [&] {
+      quiet = trial.largest_speed() < 1e-3 ? quiet + 1 : 0;
+      return quiet == 20;
+    });
+    const bool back = trial.rms_to_rest() <= 1e-3 && trial.last().inverted_elements == 0;
+    if (back) ++recovered;
+    if (quiet < 20) ++moving;
+    if (quiet == 20 && !back) ++stuck;
+    if (quiet == 20 && !back && trial.last().inverted_elements == 0) ++silent;
+    if (!trial.ledger().refusal.empty()) break;
+  }
+  trial.report_to(verdict);
+  verdict.recovered = double(recovered) / effort.seeds;
+  verdict.note("recovered", verdict.recovered);
+  verdict.note("stuck", double(stuck) / effort.seeds);
+  verdict.at_most("still moving after 20 s", double(moving) / effort.seeds, 0);
+  verdict.at_most("stuck without an inverted element", double(silent) / effort.seeds, 0);
+  return verdict;
+}
+
+}  // namespace
+
+void add_start_cases(std::vector<Case>& cases) {
+  add_collapse(cases, "flat", "pressed into the plane z = 0.25 m",
+               [](const Vec3<double>& x) { return Vec3<double>(x.x(), x.y(), 0.25); });
+  add_collapse(cases, "line", "pressed onto its axis",
+               [](const Vec3<double>& x) { return Vec3<double>(x.x(), 0.25, 0.25); });
+  add_collapse(cases, "point", "pressed into a point",
+               [](const Vec3<double>&) { return Vec3<double>(0.5, 0.25, 0.25); });
+  add_collapse(cases, "mirrored", "reflected at the held face",
+               [](const Vec3<double>& x) { return Vec3<double>(-x.x(), x.y(), x.z()); });
+  cases.push_back({"random", "block held at one end, all other vertices anywhere in its box; one body a seed",
+                   "finite, speed -> 0 within 20 s; what is stuck has inverted elements; the fraction that recovers is "
+                   "reported",
+                   Solvers::two, ratios(Ratios::all), recover_from_chaos});
+}
+
+}  // namespace corotet::program::stress

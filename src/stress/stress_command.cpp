@@ -1,0 +1,91 @@
+// `corotet stress`: the hard cases, and which ways to run them pass.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "../command.hpp"
+#include "../failure.hpp"
+#include "suite.hpp"
+#include "tables.hpp"
+
+namespace corotet::program {
+namespace {
+
+struct StressOptions {
+  stress::SuiteOptions suite;
+  Tangent tangent = Tangent::stretch_stable;
+  std::string output;
+  bool list = false;
+};
+
+void write_file(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  if (!file.flush()) throw Failure(fmt::format("{} cannot be written", path.string()));
+}
+
+int stress_bodies(const StressOptions& options) {
+  if (options.list) {
+    for (const stress::Case& c : stress::all_cases())
+      fmt::print("{:16} {}\n{:16} passes if: {}\n", c.name, c.set_up, "", c.criterion);
+    return 0;
+  }
+  if (!options.output.empty()) {  // before the work
+    std::error_code code;
+    std::filesystem::create_directories(options.output, code);
+    if (code) throw Failure(fmt::format("{}: {}", options.output, code.message()));
+  }
+  const stress::Outcome outcome = stress::run_suite(options.suite);
+  fmt::print("{}", stress::format_text(outcome));
+  if (!options.output.empty()) {
+    const std::filesystem::path folder(options.output);
+    write_file(folder / "stress.csv", stress::format_csv(outcome));
+    write_file(folder / "stress.md", stress::format_markdown(outcome));
+  }
+  const bool passed = std::all_of(outcome.runs.begin(), outcome.runs.end(),
+                                  [](const stress::Run& run) { return run.verdict.passed(); });
+  return passed ? 0 : 1;
+}
+
+}  // namespace
+
+Command add_stress_command(CLI::App& app) {
+  auto options = std::make_shared<StressOptions>();
+  CLI::App* syntax = app.add_subcommand("stress", "Try hard cases in every configuration, and say which pass");
+  syntax->add_option("case", options->suite.cases, "Names of cases, or what they begin with: flat, stretch-3 (all)");
+  syntax->add_option("-o,--output", options->output, "Folder for stress.csv and stress.md; made if it is not there");
+  syntax->add_flag("--quick", options->suite.quick,
+                   "Only `auto`, nu = .3 and .499 with mean dilatation, 5 random starts, 300 steps instead of 10,000");
+  syntax->add_flag("--list", options->list, "Only names the cases, with set-up and criterion");
+  syntax->add_option("--only", options->suite.only,
+                     "Only configurations with all these words: tet4 tet10, float double, euler newton bdf2, auto "
+                     "cholesky jacobi block_jacobi rigid_aggregates warped_cholesky, nu=0 nu=.3 nu=.45 nu=.499 "
+                     "nu=.499mean");
+  auto* tangent = syntax->add_option("--tangent", options->tangent,
+                                     "plain, stretch_stable or exact for all (exact for newton, else stretch_stable)");
+  tangent->transform(CLI::CheckedTransformer(std::map<std::string, Tangent>{
+      {"plain", Tangent::plain}, {"stretch_stable", Tangent::stretch_stable}, {"exact", Tangent::exact}}));
+  options->suite.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  syntax->add_option("--threads", options->suite.threads, "Runs at the same time, >= 1 (as many as processors)")
+      ->check(CLI::Range(1, 1024));
+  syntax->footer(
+      "Rows of the table: cases. Columns: element, precision and integrator (euler: one solve a step; newton: until\n"
+      "converged; bdf2: second order, one solve), each over all solvers and Poisson's ratios; FAIL3/24: 3 of 24 runs\n"
+      "failed. Exit code 1 if one failed.\n\n"
+      "Examples:\n"
+      "  corotet stress --quick\n"
+      "  corotet stress stretch spin --only euler auto --tangent plain\n"
+      "  corotet stress -o out");
+  return {syntax, [options, tangent] {
+            if (tangent->count() > 0) options->suite.tangent = options->tangent;
+            return stress_bodies(*options);
+          }};
+}
+
+}  // namespace corotet::program

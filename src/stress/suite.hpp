@@ -1,0 +1,36 @@
+// All runs of the hard cases, and what became of them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "case.hpp"
+#include "configuration.hpp"
+#include "verdict.hpp"
+
+namespace corotet::program::stress {
+
+struct SuiteOptions {
+  std::vector<std::string> cases;  ///< names, or their part before a '-'; none: all
+  std::vector<std::string> only;   ///< words that a configuration must have
+  std::optional<Tangent> tangent;  ///< instead of each stepping's own
+  bool quick = false;
+  int threads = 1;
+};
+
+struct Run {
+  std::size_t of_case;  ///< in the list of cases
+  Configuration configuration;
+  Verdict verdict;
+  double seconds = 0;
+};
+
+struct Outcome {
+  std::vector<Case> cases;  ///< those that were asked for
+  std::vector<Run> runs;
+};
+
+/// Throws a Failure for a case or a word that there is not.
+[[nodiscard]] Outcome run_suite(const SuiteOptions& options);
+
+}  // namespace corotet::program::stress

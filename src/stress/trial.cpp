@@ -1,0 +1,155 @@
+#include "trial.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <corotet/mesh/make_block.hpp>
+#include <utility>
+
+#include "../failure.hpp"
+
+namespace corotet::program::stress {
+
+Trial::Trial(const Scene& scene, MeshData mesh)
+    : scene_(scene), mesh_(std::move(mesh)), simulation_(make_simulation(scene_, mesh_)) {}
+
+void Trial::place(const std::function<Vec3<double>(Index)>& position) {
+  Field<double> positions;
+  for (Index v = 0; v < vertices(); ++v) positions.push_back(position(v));
+  require(simulation_->set_positions(positions));
+}
+
+void Trial::push(const std::function<Vec3<double>(Index)>& velocity) {
+  Field<double> velocities;
+  for (Index v = 0; v < vertices(); ++v) velocities.push_back(velocity(v));
+  require(simulation_->set_velocities(velocities));
+}
+
+std::vector<Index> Trial::pin(const std::function<bool(const Vec3<double>&)>& where) {
+  std::vector<Index> pinned;
+  for (Index v = 0; v < vertices(); ++v) {
+    if (!where(rest(v))) continue;
+    simulation_->pin(v);
+    pinned.push_back(v);
+  }
+  return pinned;
+}
+
+bool Trial::step() {
+  if (!ledger_.refusal.empty()) return false;
+  clock_.start();
+  last_ = simulation_->step(scene_.dt, pool_, clock_);
+  ++ledger_.steps;
+  if (!last_.accepted()) {
+    ledger_.refusal = fmt::format("step {} was refused: {}", ledger_.steps, last_.advice());
+    return false;
+  }
+  if (!last_.converged) ++ledger_.unconverged;
+  if (!last_.newton_converged) ++ledger_.newton_unconverged;
+  ledger_.most_iterations = std::max(ledger_.most_iterations, last_.iterations);
+  return true;
+}
+
+bool Trial::run(int steps, const std::function<bool()>& stop) {
+  for (int i = 0; i < steps; ++i) {
+    if (!step()) return false;
+    if (stop && stop()) break;
+  }
+  return ledger_.refusal.empty();
+}
+
+bool Trial::finite() const {
+  for (Index v = 0; v < vertices(); ++v)
+    if (!simulation_->displacement(v).allFinite() || !simulation_->velocity(v).allFinite()) return false;
+  return true;
+}
+
+double Trial::largest_speed() const {
+  double largest = 0;
+  for (Index v = 0; v < vertices(); ++v) largest = std::max(largest, simulation_->velocity(v).norm());
+  return largest;
+}
+
+double Trial::rms_to_rest() const {
+  double sum = 0;
+  for (Index v = 0; v < vertices(); ++v) sum += simulation_->displacement(v).squaredNorm();
+  return std::sqrt(sum / vertices());
+}
+
+double Trial::kinetic_energy() const {
+  double sum = 0;
+  for (Index v = 0; v < vertices(); ++v) sum += simulation_->vertex_mass(v) * simulation_->velocity(v).squaredNorm();
+  return sum / 2;
+}
+
+double Trial::energy() const {
+  double lift = 0;
+  for (Index v = 0; v < vertices(); ++v)
+    lift -= simulation_->vertex_mass(v) * simulation_->displacement(v).dot(scene_.gravity);
+  return kinetic_energy() + simulation_->elastic_energy() + lift;
+}
+
+Vec3<double> Trial::centre() const {
+  Vec3<double> sum = Vec3<double>::Zero();
+  double mass = 0;
+  for (Index v = 0; v < vertices(); ++v) {
+    sum += simulation_->vertex_mass(v) * simulation_->position(v);
+    mass += simulation_->vertex_mass(v);
+  }
+  return sum / mass;
+}
+
+Vec3<double> Trial::momentum() const {
+  Vec3<double> sum = Vec3<double>::Zero();
+  for (Index v = 0; v < vertices(); ++v) sum += simulation_->vertex_mass(v) * simulation_->velocity(v);
+  return sum;
+}
+
+Vec3<double> Trial::angular_momentum() const {
+  const Vec3<double> c = centre();
+  Vec3<double> sum = Vec3<double>::Zero();
+  for (Index v = 0; v < vertices(); ++v)
+    sum += simulation_->vertex_mass(v) * (simulation_->position(v) - c).cross(simulation_->velocity(v));
+  return sum;
+}
+
+double Trial::inertia_radius() const {
+  const Vec3<double> c = centre();
+  double sum = 0, mass = 0;
+  for (Index v = 0; v < vertices(); ++v) {
+    sum += simulation_->vertex_mass(v) * (simulation_->position(v) - c).squaredNorm();
+    mass += simulation_->vertex_mass(v);
+  }
+  return std::sqrt(sum / mass);
+}
+
+double Trial::volume() const {
+  double sum = 0;
+  const auto nodes = at(mesh_.nodes_per_element);
+  for (std::size_t first = 0; first < mesh_.connectivity.size(); first += nodes) {
+    const auto x = [&](std::size_t k) { return simulation_->position(mesh_.connectivity[first + k]); };
+    sum += (x(1) - x(0)).cross(x(2) - x(0)).dot(x(3) - x(0)) / 6;
+  }
+  return sum;
+}
+
+void Trial::report_to(Verdict& verdict) const {
+  verdict.ledger.add(ledger_);
+  verdict.expect(ledger_.refusal.empty(), ledger_.refusal);
+  verdict.expect(finite(), "a position or velocity is not finite");
+}
+
+MeshData block(int order) {
+  return require(make_block(
+      {.size = {1, 0.5, 0.5}, .cells = order == 1 ? std::array{4, 2, 2} : std::array{2, 1, 1}, .order = order}));
+}
+
+MeshData bar(int order) {
+  return require(make_block({.corner = {0, -0.1, -0.1},
+                             .size = {1, 0.2, 0.2},
+                             .cells = order == 1 ? std::array{10, 2, 2} : std::array{5, 1, 1},
+                             .order = order}));
+}
+
+}  // namespace corotet::program::stress

@@ -1,0 +1,75 @@
+// A body under test, and what can be measured of it.
+#pragma once
+
+#include <corotet/core/types.hpp>
+#include <corotet/dynamics/step_report.hpp>
+#include <corotet/mesh/mesh_data.hpp>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "../scene.hpp"
+#include "../simulation.hpp"
+#include "verdict.hpp"
+
+namespace corotet::program::stress {
+
+class Trial {
+ public:
+  /// Throws a Failure as make_simulation does.
+  Trial(const Scene& scene, MeshData mesh);
+
+  [[nodiscard]] Simulation& body() { return *simulation_; }
+  [[nodiscard]] const MeshData& mesh() const { return mesh_; }
+  [[nodiscard]] const Vec3<double>& rest(Index v) const { return mesh_.positions[at(v)]; }
+  [[nodiscard]] Index vertices() const { return mesh_.vertex_count(); }
+
+  /// World positions and velocities, one function value a vertex. Throws a Failure if the body refuses them.
+  void place(const std::function<Vec3<double>(Index)>& position);
+  void push(const std::function<Vec3<double>(Index)>& velocity);
+
+  /// Pins the vertices whose rest position satisfies `where`, where they are now; returns them.
+  std::vector<Index> pin(const std::function<bool(const Vec3<double>&)>& where);
+
+  /// One step of the scene's length. False once a step has been refused; then nothing moves any more.
+  bool step();
+  /// Until `steps` are done or `stop` says so after one. False if one was refused.
+  bool run(int steps, const std::function<bool()>& stop = nullptr);
+
+  [[nodiscard]] const StepReport& last() const { return last_; }
+  [[nodiscard]] const Ledger& ledger() const { return ledger_; }
+
+  [[nodiscard]] bool finite() const;
+  [[nodiscard]] double largest_speed() const;
+  /// Root mean square distance of vertices from where they rest, m.
+  [[nodiscard]] double rms_to_rest() const;
+  [[nodiscard]] double kinetic_energy() const;
+  /// Kinetic, elastic and that of gravity, J.
+  [[nodiscard]] double energy() const;
+  [[nodiscard]] Vec3<double> centre() const;
+  [[nodiscard]] Vec3<double> momentum() const;
+  [[nodiscard]] Vec3<double> angular_momentum() const;  ///< about the centre of mass
+  [[nodiscard]] double inertia_radius() const;          ///< sqrt(sum m r^2 / sum m), about the centre of mass
+  [[nodiscard]] double volume() const;                  ///< of the straight tetrahedra, signed
+
+  /// Puts the ledger into the verdict: it fails if a step was refused or the state is not finite.
+  void report_to(Verdict& verdict) const;
+
+ private:
+  Scene scene_;
+  MeshData mesh_;
+  std::unique_ptr<Simulation> simulation_;
+  ThreadPool pool_{1};
+  PhaseClock clock_;
+  StepReport last_;
+  Ledger ledger_;
+};
+
+/// Of 1 x 0.5 x 0.5 m with its least corner at 0: 80 Tet4, or 10 Tet10 on as fine a grid of vertices.
+[[nodiscard]] MeshData block(int order);
+/// Of 1 x 0.2 x 0.2 m, along x from 0, its axis in y = z = 0: 200 Tet4 or 25 Tet10.
+[[nodiscard]] MeshData bar(int order);
+
+[[nodiscard]] inline bool at_left_end(const Vec3<double>& x) { return x.x() < 1e-9; }
+
+}  // namespace corotet::program::stress

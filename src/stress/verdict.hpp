@@ -1,0 +1,69 @@
+// What a case found, against what it asks.
+#pragma once
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace corotet::program::stress {
+
+/// What the steps of a run reported, all together.
+struct Ledger {
+  int steps = 0;
+  int unconverged = 0;         ///< steps whose linear solver stopped before its tolerance, and said so
+  int newton_unconverged = 0;  ///< the same of Newton's method
+  int most_iterations = 0;     ///< of the linear solver in a step
+  std::string refusal;         ///< of the first step that was refused
+
+  void add(const Ledger& other) {
+    steps += other.steps;
+    unconverged += other.unconverged;
+    newton_unconverged += other.newton_unconverged;
+    most_iterations = std::max(most_iterations, other.most_iterations);
+    if (refusal.empty()) refusal = other.refusal;
+  }
+};
+
+/// A number that was measured, with the limit that it must keep if there is one.
+struct Finding {
+  std::string text;  ///< "rms to rest 2.1e-5 <= 1e-3"
+  bool passed = true;
+};
+
+class Verdict {
+ public:
+  /// Conditions; a value that is not a number fails.
+  void at_most(const std::string& what, double value, double limit) {
+    findings.push_back({fmt::format("{} {:.2g} (<= {:g})", what, value, limit), value <= limit});
+  }
+  void at_least(const std::string& what, double value, double limit) {
+    findings.push_back({fmt::format("{} {:.4g} (>= {:g})", what, value, limit), value >= limit});
+  }
+  void expect(bool condition, const std::string& what) {
+    if (!condition) findings.push_back({what, false});
+  }
+
+  /// Reported, not judged.
+  void note(const std::string& what, double value) { findings.push_back({fmt::format("{} {:.4g}", what, value)}); }
+
+  [[nodiscard]] bool passed() const {
+    return std::all_of(findings.begin(), findings.end(), [](const Finding& f) { return f.passed; });
+  }
+
+  /// Failures first; all that was found if there is none.
+  [[nodiscard]] std::string text() const {
+    const bool all = passed();
+    std::string text;
+    for (const Finding& finding : findings)
+      if (all || !finding.passed) text += (text.empty() ? "" : "; ") + finding.text;
+    return text;
+  }
+
+  std::vector<Finding> findings;
+  Ledger ledger;
+  double recovered = -1;  ///< random starts: the fraction that came back to the rest shape
+};
+
+}  // namespace corotet::program::stress
