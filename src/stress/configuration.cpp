@@ -42,7 +42,7 @@ Scene Configuration::scene() const {
 
 Scene Configuration::settling_scene() const {
   Scene settling = scene();
-  if (stepping == Stepping::bdf2) settling.damping.mass = 2;
+  if (stepping == Stepping::bdf2) settling.damping.mass = 10;
   return settling;
 }
 

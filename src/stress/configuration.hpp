@@ -53,7 +53,7 @@ struct Configuration {
   [[nodiscard]] Scene scene() const;
 
   /// The same for bodies that shall come to rest. Backward Euler needs nothing for that; the second order formula keeps
-  /// slow motion, and is given the damping 2/s M.
+  /// slow motion, and is given the damping 10/s M.
   [[nodiscard]] Scene settling_scene() const;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "case.hpp"
@@ -12,14 +13,18 @@
 namespace corotet::program::stress {
 namespace {
 
-/// Spins about z and flies, `turns` revolutions; the stiffness grows with the speed squared, so that the strain is that
-/// of E = 5e5 Pa at h omega = 0.1.
-Verdict spin(const Configuration& configuration, double h_omega, double turns) {
+/// Spins about z and flies, `turns` revolutions. The block is `length` long; its stiffness grows with the speed
+/// squared, so that the strain is that of E = 5e5 Pa at h omega = 0.1: rho omega^2 length^2 / E = 0.072 for 1 m, 0.0115
+/// for 0.4 m.
+Verdict spin(const Configuration& configuration, double length, double h_omega, double turns) {
   Scene scene = configuration.scene();
   scene.material.young *= h_omega * h_omega / 0.01;
-  Trial trial(scene, block(configuration.order));
+  MeshData mesh = block(configuration.order);
+  for (Vec3<double>& x : mesh.positions) x *= length;
+  Trial trial(scene, std::move(mesh));
   const double omega = h_omega / scene.dt;
-  const Vec3<double> centre = trial.centre(), flight(0.3 * omega, 0.1 * omega, 0.2 * omega);
+  const Vec3<double> centre = trial.centre();
+  const Vec3<double> flight = length * omega * Vec3<double>(0.3, 0.1, 0.2);
   trial.push([&](Index v) { return (flight + Vec3<double>(0, 0, omega).cross(trial.rest(v) - centre)).eval(); });
   const Vec3<double> spin_before = trial.angular_momentum(), momentum_before = trial.momentum();
   const double radius = trial.inertia_radius();
@@ -75,10 +80,15 @@ void add_free_cases(std::vector<Case>& cases) {
     for (const int turns : {1, 10})
       cases.push_back(
           {fmt::format("spin-{}-{}", text, turns),
-           fmt::format("free block flies and spins, h omega = {}, {} turn{}", text, turns, turns == 1 ? "" : "s"),
+           fmt::format("free block of 0.4 m flies and spins, h omega = {}, {} turn{}", text, turns,
+                       turns == 1 ? "" : "s"),
            "angular momentum kept within 1 %, momentum to rounding (1e-9, float 1e-4); radius reported", Solvers::all,
            ratios(Ratios::all),
-           [h_omega = h_omega, turns](const Configuration& c, const Effort&) { return spin(c, h_omega, turns); }});
+           [h_omega = h_omega, turns](const Configuration& c, const Effort&) { return spin(c, 0.4, h_omega, turns); }});
+  cases.push_back({"spin-soft", "the same of 1 m, six times as soft against its spin, h omega = 0.1, 10 turns",
+                   "angular momentum kept within 1 %, momentum to rounding (1e-9, float 1e-4); radius reported",
+                   Solvers::all, ratios(Ratios::all),
+                   [](const Configuration& c, const Effort&) { return spin(c, 1, 0.1, 10); }});
   for (const bool heavy : {true, false})
     cases.push_back({heavy ? "ratio-heavy" : "ratio-light",
                      fmt::format("free block, E 1e3 | 1e9 Pa, density {} kg/m^3, halves pushed apart",

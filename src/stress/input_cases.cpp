@@ -54,7 +54,8 @@ Verdict bad_body(const Configuration& configuration) {
   with_mesh("element 3", [](MeshData& m) { m.connectivity[at(3 * m.nodes_per_element)] = m.vertex_count(); });
   with_mesh("element 3", [](MeshData& m) { m.connectivity[at(3 * m.nodes_per_element)] = -1; });
   with_mesh("vertex", [](MeshData& m) { m.positions.emplace_back(3, 3, 3); });
-  with_mesh("no elements", [](MeshData& m) { m = {}; });
+  with_mesh("no vertices", [](MeshData& m) { m = {}; });
+  with_mesh("elements", [](MeshData& m) { m.connectivity.clear(); });
   with_mesh("element", [](MeshData& m) {
     for (Vec3<double>& x : m.positions) x.z() = 0;
   });

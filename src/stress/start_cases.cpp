@@ -1,9 +1,11 @@
 // Bodies that start far from any sensible shape.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <limits>
 #include <random>
+#include <tuple>
 
 #include "case.hpp"
 #include "trial.hpp"
@@ -26,6 +28,7 @@ Verdict recover(const Configuration& configuration, double h, Collapse collapse)
   trial.report_to(verdict);
   verdict.at_most("inverted elements", trial.last().inverted_elements, 0);
   verdict.at_most("rms to rest", trial.rms_to_rest(), 1e-3);
+  verdict.note("inside out at a corner", trial.folded_elements());
   return verdict;
 }
 
@@ -41,8 +44,9 @@ void add_collapse(std::vector<Case>& cases, const std::string& name, const std::
 Verdict recover_from_chaos(const Configuration& configuration, const Effort& effort) {
   const Scene scene = configuration.settling_scene();
   Verdict verdict;
-  int recovered = 0, moving = 0, stuck = 0, silent = 0;
-  Trial trial(scene, block(configuration.order));
+  int recovered = 0, moving = 0, stuck = 0, silent = 0, folded = 0;
+  double least_strain = std::numeric_limits<double>::infinity();  // of those that are stuck without an inverted element
+  Trial trial(scene, coarse_block(configuration.order));
   trial.pin(at_left_end);
   for (int seed = 1; seed <= effort.seeds; ++seed) {
     std::mt19937_64 random(static_cast<std::uint64_t>(seed));
@@ -61,7 +65,11 @@ Verdict recover_from_chaos(const Configuration& configuration, const Effort& eff
     if (back) ++recovered;
     if (quiet < 20) ++moving;
     if (quiet == 20 && !back) ++stuck;
-    if (quiet == 20 && !back && trial.last().inverted_elements == 0) ++silent;
+    if (quiet == 20 && !back && trial.last().inverted_elements == 0) {
+      ++silent;
+      if (trial.folded_elements() > 0) ++folded;
+      least_strain = std::min(least_strain, trial.last().largest_strain);
+    }
     if (!trial.ledger().refusal.empty()) break;
   }
   trial.report_to(verdict);
@@ -70,6 +78,8 @@ Verdict recover_from_chaos(const Configuration& configuration, const Effort& eff
   verdict.note("stuck", double(stuck) / effort.seeds);
   verdict.at_most("still moving after 20 s", double(moving) / effort.seeds, 0);
   verdict.at_most("stuck without an inverted element", double(silent) / effort.seeds, 0);
+  verdict.note("of these inside out at a corner", folded);
+  if (silent > 0) verdict.note("of these the least of the largest strain", least_strain);
   return verdict;
 }
 

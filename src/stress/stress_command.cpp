@@ -21,7 +21,7 @@ struct StressOptions {
   stress::SuiteOptions suite;
   Tangent tangent = Tangent::stretch_stable;
   std::string output;
-  bool list = false;
+  bool list = false, quick = false, full = false;
 };
 
 void write_file(const std::filesystem::path& path, const std::string& text) {
@@ -60,8 +60,12 @@ Command add_stress_command(CLI::App& app) {
   CLI::App* syntax = app.add_subcommand("stress", "Try hard cases in every configuration, and say which pass");
   syntax->add_option("case", options->suite.cases, "Names of cases, or what they begin with: flat, stretch-3 (all)");
   syntax->add_option("-o,--output", options->output, "Folder for stress.csv and stress.md; made if it is not there");
-  syntax->add_flag("--quick", options->suite.quick,
-                   "Only `auto`, nu = .3 and .499 with mean dilatation, 5 random starts, 300 steps instead of 10,000");
+  auto* quick = syntax->add_flag("--quick", options->quick,
+                                 "Only float, `auto` and nu = .3, 10 random starts, 300 steps for 10,000");
+  auto* full =
+      syntax->add_flag("--full", options->full,
+                       "Each solver with each of Poisson's ratios, not only with nu = .3; 10,000 steps for 2,000");
+  quick->excludes(full);
   syntax->add_flag("--list", options->list, "Only names the cases, with set-up and criterion");
   syntax->add_option("--only", options->suite.only,
                      "Only configurations with all these words: tet4 tet10, float double, euler newton bdf2, auto "
@@ -83,6 +87,8 @@ Command add_stress_command(CLI::App& app) {
       "  corotet stress stretch spin --only euler auto --tangent plain\n"
       "  corotet stress -o out");
   return {syntax, [options, tangent] {
+            if (options->quick) options->suite.breadth = stress::Breadth::quick;
+            if (options->full) options->suite.breadth = stress::Breadth::full;
             if (tangent->count() > 0) options->suite.tangent = options->tangent;
             return stress_bodies(*options);
           }};

@@ -33,18 +33,18 @@ std::vector<Case> choose_cases(const std::vector<std::string>& wanted) {
 std::vector<Run> plan(const std::vector<Case>& cases, const SuiteOptions& options) {
   std::vector<Run> runs;
   for (std::size_t i = 0; i < cases.size(); ++i) {
-    std::vector<SolverChoice> solvers = solver_choices(cases[i].solvers);
-    std::vector<Ratio> ratios = cases[i].ratios;
-    if (options.quick) {
-      solvers.resize(1);
-      std::erase_if(ratios,
-                    [&](const Ratio& r) { return ratios.size() > 2 && r.name != "nu=.3" && r.name != "nu=.499mean"; });
-    }
+    const std::vector<SolverChoice> solvers = solver_choices(cases[i].solvers);
+    const std::vector<Ratio>& ratios = cases[i].ratios;
     for (const int order : {1, 2})
       for (const ScalarKind scalar : {ScalarKind::single_precision, ScalarKind::double_precision})
         for (const Stepping stepping : {Stepping::euler, Stepping::newton, Stepping::bdf2})
           for (const SolverChoice& solver : solvers)
             for (const Ratio& ratio : ratios) {
+              const bool centre_solver = solver.name == solvers.front().name,
+                         centre_ratio = ratio.name == ratios.front().name;
+              if (options.breadth == Breadth::star && !centre_solver && !centre_ratio) continue;
+              if (options.breadth == Breadth::quick && !(centre_solver && centre_ratio)) continue;
+              if (options.breadth == Breadth::quick && scalar == ScalarKind::double_precision) continue;
               const Configuration c{order, scalar, stepping, solver, ratio, options.tangent};
               if (std::all_of(options.only.begin(), options.only.end(),
                               [&](const std::string& word) { return c.has_word(word); }))
@@ -83,7 +83,9 @@ Outcome run_suite(const SuiteOptions& options) {
   Outcome outcome{choose_cases(options.cases), {}};
   outcome.runs = plan(outcome.cases, options);
   if (outcome.runs.empty()) throw Failure("no configuration of these cases has all the words of --only");
-  const Effort effort = options.quick ? Effort{.seeds = 5, .long_steps = 300} : Effort{};
+  Effort effort;  // of --full
+  if (options.breadth == Breadth::star) effort.long_steps = 2000;
+  if (options.breadth == Breadth::quick) effort = {.seeds = 10, .long_steps = 300};
   Progress progress(static_cast<int>(outcome.runs.size()));
   std::mutex mutex;
   int done = 0;

@@ -1,6 +1,7 @@
 // All runs of the hard cases, and what became of them.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,11 +11,18 @@
 
 namespace corotet::program::stress {
 
+/// How many configurations are tried.
+enum class Breadth {
+  quick,  ///< float, auto and one of Poisson's ratios, with less effort
+  star,   ///< all solvers for one ratio, all ratios for `auto`
+  full    ///< all solvers for all ratios
+};
+
 struct SuiteOptions {
   std::vector<std::string> cases;  ///< names, or their part before a '-'; none: all
   std::vector<std::string> only;   ///< words that a configuration must have
   std::optional<Tangent> tangent;  ///< instead of each stepping's own
-  bool quick = false;
+  Breadth breadth = Breadth::star;
   int threads = 1;
 };
 

@@ -60,13 +60,13 @@ std::string cell(const Pivot& table, std::size_t row, const std::string& column)
 std::string markdown(const Outcome& outcome, const Pivot& table) {
   std::string text = "| case |", rule = "| --- |";
   for (const std::string& column : table.columns) {
-    text += " " + column + " |";
+    text += fmt::format(" {} |", column);
     rule += " --- |";
   }
   text += "\n" + rule + "\n";
   for (std::size_t i = 0; i < outcome.cases.size(); ++i) {
-    text += "| " + outcome.cases[i].name + " |";
-    for (const std::string& column : table.columns) text += " " + cell(table, i, column) + " |";
+    text += fmt::format("| {} |", outcome.cases[i].name);
+    for (const std::string& column : table.columns) text += fmt::format(" {} |", cell(table, i, column));
     text += "\n";
   }
   return text + "\n";

@@ -2,8 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <corotet/element/reference_element.hpp>
 #include <corotet/mesh/make_block.hpp>
 #include <utility>
 
@@ -134,6 +137,28 @@ double Trial::volume() const {
   return sum;
 }
 
+Index Trial::folded_elements() const {
+  Index folded = 0;
+  const auto nodes = at(mesh_.nodes_per_element);
+  for (std::size_t first = 0; first < mesh_.connectivity.size(); first += nodes) {
+    const auto x = [&](std::size_t k) { return simulation_->position(mesh_.connectivity[first + k]); };
+    const auto middle = [&](std::size_t a, std::size_t b) -> Vec3<double> {
+      for (std::size_t e = 0; nodes == 10 && e < tet_edges.size(); ++e)
+        if (std::minmax({a, b}) == std::minmax({tet_edges[e].a, tet_edges[e].b})) return x(4 + e);
+      return (x(a) + x(b)) / 2;
+    };
+    bool inside_out = false;
+    for (std::size_t a = 0; a < 4; ++a) {
+      Mat3<double> edges;  // derivatives along the edges from corner a, which are a left hand's for odd a
+      for (std::size_t b = 0, column = 0; b < 4; ++b)
+        if (b != a) edges.col(static_cast<Eigen::Index>(column++)) = 4 * middle(a, b) - 3 * x(a) - x(b);
+      inside_out = inside_out || (a % 2 == 0 ? 1 : -1) * edges.determinant() <= 0;
+    }
+    if (inside_out) ++folded;
+  }
+  return folded;
+}
+
 void Trial::report_to(Verdict& verdict) const {
   verdict.ledger.add(ledger_);
   verdict.expect(ledger_.refusal.empty(), ledger_.refusal);
@@ -145,11 +170,19 @@ MeshData block(int order) {
       {.size = {1, 0.5, 0.5}, .cells = order == 1 ? std::array{4, 2, 2} : std::array{2, 1, 1}, .order = order}));
 }
 
-MeshData bar(int order) {
-  return require(make_block({.corner = {0, -0.1, -0.1},
-                             .size = {1, 0.2, 0.2},
-                             .cells = order == 1 ? std::array{10, 2, 2} : std::array{5, 1, 1},
-                             .order = order}));
+MeshData coarse_block(int order) {
+  return require(make_block({.size = {1, 0.5, 0.5}, .cells = {2, 1, 1}, .order = order}));
 }
+
+namespace {
+
+MeshData bar_of(const std::array<Index, 3>& cells, int order) {
+  return require(make_block({.corner = {0, -0.1, -0.1}, .size = {1, 0.2, 0.2}, .cells = cells, .order = order}));
+}
+
+}  // namespace
+
+MeshData bar(int order) { return order == 1 ? bar_of({10, 2, 2}, 1) : bar_of({5, 1, 1}, 2); }
+MeshData coarse_bar(int order) { return bar_of({5, 1, 1}, order); }
 
 }  // namespace corotet::program::stress

@@ -50,7 +50,9 @@ class Trial {
   [[nodiscard]] Vec3<double> momentum() const;
   [[nodiscard]] Vec3<double> angular_momentum() const;  ///< about the centre of mass
   [[nodiscard]] double inertia_radius() const;          ///< sqrt(sum m r^2 / sum m), about the centre of mass
-  [[nodiscard]] double volume() const;                  ///< of the straight tetrahedra, signed
+  /// Elements that are turned inside out at a corner, where there may be no quadrature point.
+  [[nodiscard]] Index folded_elements() const;
+  [[nodiscard]] double volume() const;  ///< of the straight tetrahedra, signed
 
   /// Puts the ledger into the verdict: it fails if a step was refused or the state is not finite.
   void report_to(Verdict& verdict) const;
@@ -67,8 +69,12 @@ class Trial {
 
 /// Of 1 x 0.5 x 0.5 m with its least corner at 0: 80 Tet4, or 10 Tet10 on as fine a grid of vertices.
 [[nodiscard]] MeshData block(int order);
+/// The same of 10 Tet4 or Tet10, for a great many runs.
+[[nodiscard]] MeshData coarse_block(int order);
 /// Of 1 x 0.2 x 0.2 m, along x from 0, its axis in y = z = 0: 200 Tet4 or 25 Tet10.
 [[nodiscard]] MeshData bar(int order);
+/// The same of 25 Tet4 or Tet10, for a great many steps.
+[[nodiscard]] MeshData coarse_bar(int order);
 
 [[nodiscard]] inline bool at_left_end(const Vec3<double>& x) { return x.x() < 1e-9; }
 

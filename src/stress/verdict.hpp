@@ -52,12 +52,12 @@ class Verdict {
     return std::all_of(findings.begin(), findings.end(), [](const Finding& f) { return f.passed; });
   }
 
-  /// Failures first; all that was found if there is none.
+  /// All that was found, failures first.
   [[nodiscard]] std::string text() const {
-    const bool all = passed();
     std::string text;
-    for (const Finding& finding : findings)
-      if (all || !finding.passed) text += (text.empty() ? "" : "; ") + finding.text;
+    for (const bool passed : {false, true})
+      for (const Finding& finding : findings)
+        if (finding.passed == passed) text += (text.empty() ? "" : "; ") + finding.text;
     return text;
   }
 

@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "support/bodies.hpp"
 #include "support/solver_choice.hpp"
@@ -400,6 +401,13 @@ TEST(SoftBody, RefusesBadMaterialsAndDampingByName) {
   const auto too_stiff = SoftBody<float>::create(testing::block<float, Tet4>({}), Material{.young = 1e39});
   ASSERT_FALSE(too_stiff.ok());
   EXPECT_NE(too_stiff.error().message().find("precision"), std::string::npos);
+  for (const auto& [material, name] :
+       {std::pair{Material{.young = 1e-60}, "young"}, std::pair{Material{.density = 1e-60}, "density"}}) {
+    EXPECT_TRUE(SoftBody<double>::create(testing::block<double, Tet4>({}), material).ok());
+    const auto nothing = SoftBody<float>::create(testing::block<float, Tet4>({}), material);
+    ASSERT_FALSE(nothing.ok());
+    EXPECT_NE(nothing.error().message().find(name), std::string::npos);
+  }
   refused(std::vector<Material>(2), {}, "materials");
   std::vector<Material> one_bad(at(mesh.element_count()));
   one_bad[3].poisson = 0.5;

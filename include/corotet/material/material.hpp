@@ -4,6 +4,7 @@
 #include <cmath>
 #include <corotet/core/number_text.hpp>
 #include <corotet/core/result.hpp>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,7 +54,7 @@ class Materials {
   }
 
   /// invalid_argument if there is neither one material nor one for each of `elements`, or if one of them is invalid, or
-  /// its Lamé parameters are too large for Scalar.
+  /// its Lamé parameters or its density lie outside the range of Scalar.
   template <std::floating_point Scalar>
   [[nodiscard]] Status check(std::size_t elements) const {
     if (materials_.size() != 1 && materials_.size() != elements)
@@ -67,6 +68,12 @@ class Materials {
       for (const double parameter : {lambda, mu, materials_[e].density})
         if (!std::isfinite(static_cast<Scalar>(parameter)))
           return Error{ErrorCode::invalid_argument, where, number_text(parameter) + " is too large for this precision"};
+      // Below the normal numbers digits are lost, and then all: a body without mass or stiffness.
+      for (const auto& [name, parameter] :
+           {std::pair{".young", materials_[e].young}, std::pair{".density", materials_[e].density}})
+        if (static_cast<Scalar>(parameter) < std::numeric_limits<Scalar>::min())
+          return Error{ErrorCode::invalid_argument, where + name,
+                       number_text(parameter) + " is too small for this precision"};
     }
     return {};
   }

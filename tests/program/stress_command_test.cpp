@@ -1,0 +1,49 @@
+#include <string>
+#include <utility>
+
+#include "program_runner.hpp"
+
+namespace {
+
+using corotet::testing::Outcome;
+using corotet::testing::ProgramTest;
+
+class StressCommand : public ProgramTest {};
+
+/// What the default configuration passes stays passed; docs/hard_cases.md holds the whole table.
+TEST_F(StressCommand, TheDefaultsPassCasesThatBreakOthers) {
+  const Outcome outcome = corotet(
+      "stress flat-10 point-10 mirrored-10 line-10 stretch hang-.3 spin-.1-1 bad-step bad-file far step-.1 step-1 "
+      "sliver "
+      "cap wedge needle --quick --only euler -o out");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+  EXPECT_NE(read("out/stress.md").find("| stretch-8 | pass |"), std::string::npos);
+}
+
+/// A free block that Newton's method brakes, and a stretched bar that buzzes with the plain tangent: known to fail.
+TEST_F(StressCommand, FailuresAreShownAsFailures) {
+  const Outcome spin = corotet("stress spin-.1-1 --quick --only tet4 newton -o out");
+  EXPECT_EQ(spin.exit_code, 1);
+  EXPECT_NE(spin.out.find("FAIL1/1"), std::string::npos) << spin.out;
+  EXPECT_NE(spin.out.find("angular momentum kept"), std::string::npos) << spin.out;
+  EXPECT_NE(read("out/stress.csv").find("spin-.1-1,tet4,float,newton,auto,nu=.3,0,"), std::string::npos);
+  const Outcome stretch = corotet("stress stretch-4 --quick --only tet4 euler --tangent plain");
+  EXPECT_EQ(stretch.exit_code, 1);
+  EXPECT_NE(stretch.out.find("speed, m/s"), std::string::npos) << stretch.out;
+}
+
+TEST_F(StressCommand, ListsItsCasesAndNamesWhatItDoesNotKnow) {
+  const Outcome list = corotet("stress --list");
+  EXPECT_EQ(list.exit_code, 0);
+  for (const char* name : {"flat-60", "random", "twist-1", "ratio-heavy", "incompressible", "long-rest", "bad-body"})
+    EXPECT_NE(list.out.find(name), std::string::npos) << name;
+  for (const auto& [arguments, expected] :
+       {std::pair{"stress flattened", "flattened"}, std::pair{"stress flat --only tet5", "--only"},
+        std::pair{"stress flat --quick --full", "--full"}, std::pair{"stress flat --tangent best", "--tangent"}}) {
+    const Outcome outcome = corotet(arguments);
+    EXPECT_NE(outcome.exit_code, 0) << arguments;
+    EXPECT_NE(outcome.err.find(expected), std::string::npos) << arguments << "\n" << outcome.err;
+  }
+}
+
+}  // namespace
