@@ -20,7 +20,7 @@ Verdict recover(const Configuration& configuration, double h, Collapse collapse)
   Scene scene = configuration.scene();
   scene.dt = h;
   if (h < 0.05) scene.damping.mass = 2;
-  Trial trial(scene, block(configuration.order));
+  Trial trial(scene, fine_block(configuration.order));
   trial.pin(at_left_end);
   trial.place([&](Index v) { return at_left_end(trial.rest(v)) ? trial.rest(v) : collapse(trial.rest(v)); });
   trial.run(static_cast<int>(std::lround(10 / h)));

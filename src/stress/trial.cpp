@@ -170,6 +170,10 @@ MeshData block(int order) {
       {.size = {1, 0.5, 0.5}, .cells = order == 1 ? std::array{4, 2, 2} : std::array{2, 1, 1}, .order = order}));
 }
 
+MeshData fine_block(int order) {
+  return require(make_block({.size = {1, 0.5, 0.5}, .cells = {4, 2, 2}, .order = order}));
+}
+
 MeshData coarse_block(int order) {
   return require(make_block({.size = {1, 0.5, 0.5}, .cells = {2, 1, 1}, .order = order}));
 }

@@ -69,6 +69,8 @@ class Trial {
 
 /// Of 1 x 0.5 x 0.5 m with its least corner at 0: 80 Tet4, or 10 Tet10 on as fine a grid of vertices.
 [[nodiscard]] MeshData block(int order);
+/// The same of 80 Tet4 or Tet10.
+[[nodiscard]] MeshData fine_block(int order);
 /// The same of 10 Tet4 or Tet10, for a great many runs.
 [[nodiscard]] MeshData coarse_block(int order);
 /// Of 1 x 0.2 x 0.2 m, along x from 0, its axis in y = z = 0: 200 Tet4 or 25 Tet10.
