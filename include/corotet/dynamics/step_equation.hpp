@@ -170,7 +170,8 @@ class StepEquation {
     return std::sqrt(sums_(executor, [&](Index begin, Index end) {
       double sum = 0;
       for (Index i = begin; i < end; ++i)
-        sum += static_cast<double>(right_side_[at(i)].squaredNorm()) / static_cast<double>(matrix_.diagonal(i).trace());
+        sum += right_side_[at(i)].template cast<double>().squaredNorm() /  // whose range float would leave
+               static_cast<double>(matrix_.diagonal(i).trace());
       return Sums{sum, 0};
     })[0]);
   }
