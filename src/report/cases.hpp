@@ -16,7 +16,4 @@ namespace corotet::program {
 /// the pins.
 [[nodiscard]] Study study_of(const Scene& scene, const RunInput& input, bool quick);
 
-/// Adds shorter time steps, down to an eighth of the scene's.
-void add_shorter_steps(Study& study);
-
 }  // namespace corotet::program

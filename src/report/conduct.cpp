@@ -76,6 +76,7 @@ StudyReport conduct(const Study& study, ThreadPool& threads, Allowance& allowanc
   report.notes = study.meshes.notes;
   report.frame_s = study.scene.dt;
   report.at_rest = study.at_rest;
+  report.integrator = study.scene.integrator;
   for (const MeshLevel& level : study.meshes.levels) {
     report.level_sizes.push_back(level.size);
     report.level_names.push_back(level.name);
@@ -83,7 +84,7 @@ StudyReport conduct(const Study& study, ThreadPool& threads, Allowance& allowanc
   }
   const RunResult& exact = references.exact();
   report.reference = fmt::format("Tet10 {}, double, solved to 1e-10{}", study.meshes[references.level()].name,
-                                 study.at_rest ? "" : ", extrapolated to dt = 0");
+                                 study.at_rest ? "" : ", BDF2 with Newton's method extrapolated to dt = 0");
   report.reference_error = references.own_error();
   if (references.level() < study.reference_level)
     report.notes += fmt::format("{}mesh {} would have been a better reference but takes longer than --minutes allows",
@@ -109,17 +110,19 @@ StudyReport conduct(const Study& study, ThreadPool& threads, Allowance& allowanc
 
   // Of the rows that a reader compares: each element on its meshes, at the scene's time step, and the base at others.
   observer(study.name + ": error budgets", 1);
-  constexpr std::size_t most_budgets = 12;
+  constexpr std::size_t most_budgets = 16;
   for (const ReportRow& row : report.rows) {
     const Configuration& c = row.configuration;
-    const bool own_step = c.scene.dt == study.scene.dt, at_base = c.level == base.level && c.order == base.order;
-    const bool told = (row.role == "grid" && (own_step || at_base)) || row.role == "rotation" ||
+    const bool own_step = c.scene.dt == study.scene.dt && c.scene.integrator == study.scene.integrator;
+    const bool at_base = c.level == base.level && c.order == base.order;
+    const bool told = (row.role == "grid" && (own_step || at_base)) || row.role == "rotation" || row.role == "newton" ||
                       row.role == "dilatation" ||
                       (row.role == "tolerance" && c.scene.solver.tolerance > study.scene.solver.tolerance);
     if (!told || !row.run.ok() || report.budgets.size() >= most_budgets || references.estimate(c) > allowance.left())
       continue;
     std::string label = mesh_name(report, c);
-    if (!own_step) label += fmt::format(", dt {:.3g} s", c.scene.dt);
+    if (c.scene.integrator != study.scene.integrator) label += ", bdf2";
+    if (c.scene.dt != study.scene.dt) label += fmt::format(", dt {:.3g} s", c.scene.dt);
     if (row.role != "grid") {
       for (const Setting& setting : settings())
         if (setting.name == row.role) label += ", " + std::string(setting.name) + " " + setting.value(c);

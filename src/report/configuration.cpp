@@ -29,7 +29,13 @@ const std::vector<Setting>& settings() {
       {"mass", [](const C& c) -> std::string { return c.scene.mass == MassModel::lumped ? "lumped" : "consistent"; }},
       {"dilatation",
        [](const C& c) -> std::string { return c.scene.dilatation == Dilatation::mean ? "mean" : "per_element"; }},
-      {"integrator", [](const C&) -> std::string { return "implicit_euler"; }},
+      {"integrator",
+       [](const C& c) -> std::string {
+         return c.scene.integrator == IntegratorKind::bdf2 ? "bdf2" : "implicit_euler";
+       }},
+      {"newton", [](const C& c) { return fmt::format("{}", c.scene.newton.iterations); }},
+      {"newton_tolerance", [](const C& c) { return fmt::format("{:.3g}", c.scene.newton.tolerance); }},
+      {"tangent", [](const C& c) { return std::string(corotet::name_of(c.scene.newton.tangent)); }},
       {"dt", [](const C& c) { return fmt::format("{:.6g}", c.scene.dt); }},
       {"solver", [](const C& c) { return name_of(c.scene.solver.method); }},
       {"preconditioner", [](const C& c) { return std::string(corotet::name_of(c.scene.solver.preconditioner)); }},
@@ -51,6 +57,14 @@ Configuration tightened(Configuration configuration) {
   scene.rotation_site = RotationSite::point;
   scene.solver = {};
   scene.solver.tolerance = 1e-10;
+  return configuration;
+}
+
+Configuration converged(Configuration configuration) {
+  NewtonOptions& newton = configuration.scene.newton;
+  newton.iterations = 50;
+  newton.tolerance = 1e-8;
+  newton.tangent = Tangent::exact;
   return configuration;
 }
 

@@ -31,4 +31,7 @@ struct Setting {
 /// 1e-10, polar rotations at each quadrature point.
 [[nodiscard]] Configuration tightened(Configuration configuration);
 
+/// The same with the equations of each time step solved by Newton's method, instead of linearised. Of a tightened one.
+[[nodiscard]] Configuration converged(Configuration configuration);
+
 }  // namespace corotet::program

@@ -5,7 +5,7 @@
 namespace corotet::program {
 
 const std::vector<std::string>& budget_parts() {
-  static const std::vector<std::string> names{"precision", "tolerance", "rotation", "space", "time"};
+  static const std::vector<std::string> names{"precision", "tolerance", "rotation", "space", "one solve", "time"};
   return names;
 }
 
@@ -19,6 +19,8 @@ ErrorBudget measure_budget(References& references, const Configuration& configur
   chain.push_back(&references.of(c));
   chain.push_back(&references.of(tight));
   chain.push_back(&references.of(references.on_finest_mesh(configuration)));
+  // A configuration that has Newton's method is told by its number how far it goes.
+  chain.push_back(&references.of(converged(references.on_finest_mesh(configuration))));
   chain.push_back(&references.exact());
 
   ErrorBudget budget{std::move(label), configuration, {}, references.norms().between(*chain.front(), *chain.back())};

@@ -24,8 +24,8 @@ struct ErrorBudget {
 [[nodiscard]] const std::vector<std::string>& budget_parts();
 
 /// Replaces one setting after the other by the tight one, and measures what each changes: precision by double, the
-/// solver's tolerance by 1e-10, the rotation by a polar one at each quadrature point, the mesh by the finest, the time
-/// step by the extrapolation to none.
+/// solver's tolerance by 1e-10, the rotation by a polar one at each quadrature point, the mesh by the finest, the one
+/// linear solve of a step by Newton's method, the time step by the extrapolation to none.
 [[nodiscard]] ErrorBudget measure_budget(References& references, const Configuration& configuration, std::string label);
 
 }  // namespace corotet::program

@@ -28,10 +28,12 @@ std::vector<Planned> plan(const Study& study, const Configuration& base) {
   std::stable_sort(meshes.begin(), meshes.end(),
                    [&](const Configuration& a, const Configuration& b) { return work(a) < work(b); });
   for (Configuration c : meshes)
-    for (const double dt : study.dts) {
-      c.scene.dt = dt;
-      add(c, "grid");
-    }
+    for (const IntegratorKind integrator : study.integrators)
+      for (const double dt : study.dts) {
+        c.scene.integrator = integrator;
+        c.scene.dt = dt;
+        add(c, "grid");
+      }
 
   const auto vary = [&](const char* role, auto&& change) {
     Configuration c = base;
@@ -47,6 +49,14 @@ std::vector<Planned> plan(const Study& study, const Configuration& base) {
   });
   vary("dilatation",
        [](Scene& s) { s.dilatation = s.dilatation == Dilatation::mean ? Dilatation::per_element : Dilatation::mean; });
+  const bool has_energy = base.scene.rotation == RotationKind::polar && base.scene.rotation_site == RotationSite::point;
+  for (const int iterations : {2, 20})
+    vary("newton", [&](Scene& s) {
+      s.newton.iterations = iterations;
+      if (has_energy) s.newton.tangent = Tangent::exact;
+    });
+  for (const auto tangent : {Tangent::plain, Tangent::stretch_stable, Tangent::exact})
+    if (has_energy || tangent != Tangent::exact) vary("tangent", [&](Scene& s) { s.newton.tangent = tangent; });
   for (const double tolerance : {1e-1, 1e-2, 1e-4, 1e-5})
     vary("tolerance", [&](Scene& s) { s.solver.tolerance = tolerance; });
   vary("solver", [](Scene& s) { s.solver.method = SolverMethod::cholesky; });

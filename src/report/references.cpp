@@ -11,11 +11,11 @@
 namespace corotet::program {
 namespace {
 
-/// 2 fine - coarse, at each point and time.
+/// (4 fine - coarse) / 3 at each point and time.
 Track extrapolate(const Track& fine, const Track& coarse) {
   Track track(fine);
   for (std::size_t t = 0; t < track.size(); ++t)
-    for (std::size_t p = 0; p < track[t].size(); ++p) track[t][p] += fine[t][p] - coarse[t][p];
+    for (std::size_t p = 0; p < track[t].size(); ++p) track[t][p] += (fine[t][p] - coarse[t][p]) / 3;
   return track;
 }
 
@@ -26,10 +26,12 @@ References::References(const Study& study, int level, ThreadPool& pool, Allowanc
   (void)of(tight({study_.scene, study_.base_level, 2}));  // tells the allowance what this machine can do
   const auto cost = [&] {
     Configuration finest{study_.scene, level_, 2};
+    constexpr double solves = 3;  // of Newton's method, a step
     double sum = 0;
     if (!study_.at_rest)
       for (finest.scene.dt = shortest_dt() / 2; finest.scene.dt < study_.sample_interval * 1.01; finest.scene.dt *= 2)
-        sum += allowance_.estimate(Allowance::Kind::tight_tet10, elements(finest), steps(finest));
+        sum += (finest.scene.dt < 1.5 * shortest_dt() ? solves : 2) *
+               allowance_.estimate(Allowance::Kind::tight_tet10, elements(finest), steps(finest));
     else
       sum = allowance_.estimate(Allowance::Kind::tight_tet10, elements(finest), steps(finest));
     return sum;
@@ -83,6 +85,8 @@ const RunResult& References::exact() {
     return result;
   };
   if (study_.at_rest) return exact_.emplace(require_ok(of(finest)));
+  finest = converged(finest);
+  finest.scene.integrator = IntegratorKind::bdf2;
   finest.scene.dt = shortest_dt();
   const RunResult& coarse = require_ok(of(finest));
   finest.scene.dt /= 2;

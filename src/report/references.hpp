@@ -33,8 +33,9 @@ class References {
 
   [[nodiscard]] Configuration on_finest_mesh(Configuration configuration) const;
 
-  /// T(*, *): on the finest mesh, extrapolated from the study's shortest time step and half of it (Richardson: the
-  /// error of backward Euler is proportional to the step). Throws a Failure if it fails.
+  /// T(*, *): on the finest mesh by BDF2 with Newton's method, extrapolated from the study's shortest time step and
+  /// half of it (Richardson: the error of BDF2 is proportional to the square of the step). Throws a Failure if it
+  /// fails.
   const RunResult& exact();
 
   /// Error of the finest mesh itself, at the scene's time step: what the next coarser one is off by, over 3 (as if the

@@ -42,8 +42,10 @@ void add_orders(const std::string& what, std::vector<ErrorAt> points, std::vecto
   }
 }
 
-bool same_dt(const StudyReport& report, const ReportRow& row) {
-  return std::abs(row.configuration.scene.dt / report.frame_s - 1) < 1e-9;
+/// Of the grid, with the scene's own integrator and time step.
+bool differs_in_mesh_only(const StudyReport& report, const ReportRow& row) {
+  return row.role == "grid" && row.run.ok() && row.configuration.scene.integrator == report.integrator &&
+         std::abs(row.configuration.scene.dt / report.frame_s - 1) < 1e-9;
 }
 
 }  // namespace
@@ -71,7 +73,7 @@ std::vector<MeasuredOrder> measure_orders(const StudyReport& report) {
   for (const int order : {1, 2}) {
     std::vector<ErrorAt> points;
     for (const ReportRow& row : report.rows) {
-      if (row.role != "grid" || !row.run.ok() || row.configuration.order != order || !same_dt(report, row)) continue;
+      if (row.configuration.order != order || !differs_in_mesh_only(report, row)) continue;
       if (row.errors.space.displacement >= report.reference_error)  // the reference is a mesh, too
         points.push_back({report.level_sizes[at(row.configuration.level)], row.errors.space,
                           report.level_cells[at(row.configuration.level)]});
@@ -79,13 +81,16 @@ std::vector<MeasuredOrder> measure_orders(const StudyReport& report) {
     add_orders(order == 1 ? "Tet4, h/m" : "Tet10, h/m", points, orders);
   }
   if (report.at_rest) return orders;
-  std::vector<ErrorAt> points;
-  for (const ReportRow& row : report.rows) {  // the error of time is measured on the finest mesh: rows repeat it
-    const double dt = row.configuration.scene.dt;
-    const bool known = std::any_of(points.begin(), points.end(), [&](const ErrorAt& p) { return p.size == dt; });
-    if (row.role == "grid" && row.run.ok() && !known) points.push_back({dt, row.errors.time, {}});
+  for (const IntegratorKind integrator : {IntegratorKind::implicit_euler, IntegratorKind::bdf2}) {
+    std::vector<ErrorAt> points;
+    for (const ReportRow& row : report.rows) {  // the error of time is measured on the finest mesh: rows repeat it
+      const double dt = row.configuration.scene.dt;
+      const bool known = std::any_of(points.begin(), points.end(), [&](const ErrorAt& p) { return p.size == dt; });
+      if (row.role == "grid" && row.run.ok() && row.configuration.scene.integrator == integrator && !known)
+        points.push_back({dt, row.errors.time, {}});
+    }
+    add_orders(integrator == IntegratorKind::bdf2 ? "BDF2, dt/s" : "backward Euler, dt/s", points, orders);
   }
-  add_orders("backward Euler, dt/s", points, orders);
   return orders;
 }
 

@@ -39,6 +39,7 @@ struct StudyReport {
   std::string reference;       ///< what the errors are against
   double reference_error = 0;  ///< of the reference's own mesh, estimated from the next coarser one (displacement)
   double frame_s = 0;          ///< the scene's time step
+  IntegratorKind integrator = IntegratorKind::implicit_euler;  ///< the scene's
   bool at_rest = false;
   std::vector<std::string> closed_form_names;
   std::vector<ReportRow> rows;

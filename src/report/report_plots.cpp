@@ -13,7 +13,7 @@ namespace {
 using Points = std::vector<std::pair<double, double>>;
 
 bool has_own_step(const StudyReport& report, const ReportRow& row) {
-  return row.configuration.scene.dt == report.frame_s;
+  return row.configuration.scene.dt == report.frame_s && row.configuration.scene.integrator == report.integrator;
 }
 
 const char* element_name(int order) { return order == 1 ? "Tet4" : "Tet10"; }

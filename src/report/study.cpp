@@ -104,7 +104,7 @@ class Runner {
     if (!settling_ && (result_.steps > 1 || study_.steps(h) == 1)) times_.push_back(clock_.total_ms());
     iterations_ += report.iterations;
     // Near rest there is nothing left to solve for, and rounding is all that a tolerance could be relative to.
-    if (!report.converged && !settling_) ++unconverged_;
+    if (!(report.converged && report.newton_converged) && !settling_) ++unconverged_;
     inverted_ = report.inverted_elements;
     return true;
   }

@@ -54,6 +54,7 @@ struct Study {
   std::vector<ClosedForm> closed_forms;  ///< measured on each run
 
   // What the matrix is made of.
+  std::vector<IntegratorKind> integrators{IntegratorKind::implicit_euler, IntegratorKind::bdf2};
   std::vector<double> dts;                     ///< s; one of them the scene's
   std::vector<int> tet4_levels, tet10_levels;  ///< of `meshes`
   int own_order = 2;                           ///< of the scene's own mesh, meshes.own

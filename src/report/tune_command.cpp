@@ -65,8 +65,7 @@ int tune(const TuneOptions& options) {
   if (fs::equivalent(options.scene, options.output, ignored))
     throw Failure(fmt::format("--output {}: it would replace the scene itself", options.output));
   const RunInput input = read_input(scene);
-  Study study = study_of(scene, input, options.quick);
-  add_shorter_steps(study);
+  const Study study = study_of(scene, input, options.quick);
   const int machine = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 2);
   ThreadPool threads(options.threads > 0 ? options.threads : machine);
   Allowance allowance(60 * options.minutes);
@@ -126,7 +125,7 @@ Command add_tune_command(CLI::App& app) {
       ->excludes(error);
   syntax->add_option("--minutes", options->minutes, "How long the search may take, > 0 (3)")
       ->check(CLI::PositiveNumber);
-  syntax->add_flag("--quick", options->quick, "Only meshes of up to some 2000 elements, or eight times the scene's");
+  syntax->add_flag("--quick", options->quick, "Only meshes of up to 500 elements, or eight times the scene's");
   syntax->add_option("--threads", options->threads, "For the references, >= 1 (2); times are of one thread")
       ->check(CLI::Range(1, 1024));
   syntax->footer(

@@ -127,8 +127,13 @@ class Tuner {
 
   /// Error of each time step, on the finest mesh.
   void sweep_time_steps() {
+    for (const IntegratorKind integrator : study_.integrators) sweep_time_steps(integrator);
+  }
+
+  void sweep_time_steps(IntegratorKind integrator) {
     for (const double dt : study_.dts) {
       Configuration c{study_.scene, references_.level(), 2};
+      c.scene.integrator = integrator;
       c.scene.dt = dt;
       observer_(fmt::format("dt {:.4g} s", dt), 0.7);
       if (references_.estimate(c) > allowance_.left()) continue;
@@ -144,9 +149,11 @@ class Tuner {
     for (const Candidate& mesh : meshes_)
       for (const Candidate& time : times_) {
         Candidate c = mesh;
-        c.configuration.scene.dt = time.configuration.scene.dt;
+        const Scene& scene = time.configuration.scene;
+        c.configuration.scene.dt = scene.dt;
+        c.configuration.scene.integrator = scene.integrator;
         c.time = time.time;
-        if (c.configuration.scene.dt != study_.scene.dt) {
+        if (scene.dt != study_.scene.dt || scene.integrator != study_.scene.integrator) {
           c.measured = false;
           c.error = c.space + c.time + c.arithmetic;
           c.frame_ms = mesh.frame_ms * study_.scene.dt / c.configuration.scene.dt;
