@@ -84,6 +84,12 @@ void warn(const StepStatistics& steps, const RunFacts& facts) {
         "raise integrator.newton, loosen integrator.newton_tolerance, or use smaller steps",
         steps.newton_unconverged(), steps.steps(), steps.worst_newton_residual()));
   }
+  if (steps.untrusted() > 0) {
+    say(fmt::format(
+        "{} of {} steps cannot be trusted: the solve ended far from its solution, elements were turned inside "
+        "out, or the strain grew too far; use smaller steps, or set integrator.untrusted to divide",
+        steps.untrusted(), steps.steps()));
+  }
   if (steps.inverted_elements() > 0) {
     say(fmt::format("{} elements are inverted at the end: use smaller steps, gentler pins, or a stiffer material",
                     steps.inverted_elements()));

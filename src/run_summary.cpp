@@ -49,6 +49,9 @@ void StepStatistics::add(const StepReport& report, const PhaseClock& clock, doub
   most_newton_iterations_ = std::max(most_newton_iterations_, report.newton_iterations);
   worst_newton_residual_ = std::max(worst_newton_residual_, report.newton_residual);
   if (!report.newton_converged) ++newton_unconverged_;
+  if (report.distrust != Distrust::none) ++untrusted_;
+  sub_steps_ += report.sub_steps;
+  most_sub_steps_ = std::max(most_sub_steps_, report.sub_steps);
   most_iterations_ = std::max(most_iterations_, report.iterations);
   worst_residual_ = std::max(worst_residual_, report.residual);
   ++accepted_;
@@ -75,15 +78,14 @@ void StepStatistics::write_to(Json& summary) const {
   summary["residual"] = worst_residual_;
   summary["newton"] = {{"iterations", {{"mean", mean(newton_iterations_)}, {"max", most_newton_iterations_}}},
                        {"residual", worst_newton_residual_}};
+  summary["sub_steps"] = {{"mean", mean(sub_steps_)}, {"max", most_sub_steps_}};
   summary["inverted_elements"] = last_.inverted_elements;
   summary["inverted_elements_max"] = most_inverted_;
   summary["largest_rotation"] = last_.largest_rotation;
   summary["largest_strain"] = last_.largest_strain;
-  summary["status"] = {{"converged", converged_},
-                       {"unconverged", accepted_ - converged_},
-                       {"newton_unconverged", newton_unconverged_},
-                       {"with_inverted_elements", inverted_},
-                       {"refused", refused_}};
+  summary["status"] = {
+      {"converged", converged_}, {"unconverged", accepted_ - converged_}, {"newton_unconverged", newton_unconverged_},
+      {"untrusted", untrusted_}, {"with_inverted_elements", inverted_},   {"refused", refused_}};
 }
 
 std::string format_summary(const Scene& scene, const RunInput& input, const RunFacts& facts,
@@ -107,7 +109,8 @@ std::string format_summary(const Scene& scene, const RunInput& input, const RunF
                            {"dt", scene.dt},
                            {"newton", scene.newton.iterations},
                            {"newton_tolerance", scene.newton.tolerance},
-                           {"tangent", name_of(scene.newton.tangent)}};
+                           {"tangent", name_of(scene.newton.tangent)},
+                           {"untrusted", name_of(scene.untrusted)}};
   summary["solver"] = {{"name", facts.simulation.solver}};
   if (!facts.simulation.preconditioner.empty()) summary["solver"]["preconditioner"] = facts.simulation.preconditioner;
   summary["solver"]["tolerance"] = scene.solver.tolerance;

@@ -24,6 +24,7 @@ class StepStatistics {
   [[nodiscard]] Index steps() const { return accepted_; }
   [[nodiscard]] Index unconverged() const { return accepted_ - converged_; }
   [[nodiscard]] Index newton_unconverged() const { return newton_unconverged_; }
+  [[nodiscard]] Index untrusted() const { return untrusted_; }
   [[nodiscard]] double worst_newton_residual() const { return worst_newton_residual_; }
   [[nodiscard]] Index inverted_elements() const { return last_.inverted_elements; }
   [[nodiscard]] double worst_residual() const { return worst_residual_; }
@@ -37,8 +38,10 @@ class StepStatistics {
   double cpu_s_ = 0;
   double iterations_ = 0, newton_iterations_ = 0;
   int most_iterations_ = 0, most_newton_iterations_ = 0;
+  double sub_steps_ = 0;
+  int most_sub_steps_ = 0;
   double worst_residual_ = 0, worst_newton_residual_ = 0;
-  Index accepted_ = 0, converged_ = 0, newton_unconverged_ = 0, inverted_ = 0, refused_ = 0;
+  Index accepted_ = 0, converged_ = 0, newton_unconverged_ = 0, untrusted_ = 0, inverted_ = 0, refused_ = 0;
   Index most_inverted_ = 0;
   StepReport last_;
 };

@@ -4,6 +4,7 @@
 #include <corotet/assembly/mass.hpp>
 #include <corotet/assembly/mean_dilatation.hpp>
 #include <corotet/core/types.hpp>
+#include <corotet/dynamics/adaptive_step.hpp>
 #include <corotet/dynamics/newton_options.hpp>
 #include <corotet/material/material.hpp>
 #include <corotet/solve/auto_solver.hpp>
@@ -55,6 +56,7 @@ struct Scene {
   IntegratorKind integrator = IntegratorKind::implicit_euler;
   double dt = 1.0 / 60;  ///< s
   NewtonOptions newton;
+  Untrusted untrusted = Untrusted::accept;
   SolverOptions solver;
   std::optional<std::filesystem::path> initial_positions, initial_velocities;
   std::optional<Vec3<double>> initial_velocity;          ///< of all vertices, m/s

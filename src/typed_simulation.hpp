@@ -4,6 +4,7 @@
 #include <corotet/assembly/assemble.hpp>
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/dynamics/adaptive_step.hpp>
 #include <corotet/dynamics/bdf2.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <corotet/dynamics/soft_body.hpp>
@@ -47,7 +48,8 @@ class TypedSimulation final : public Simulation {
     facts.flipped_elements = body_.mesh().flipped_elements();
     facts.origin = body_.mesh().origin();
     facts.mass = body_.mass().total();
-    const auto& solver = std::visit([](const auto& i) -> const AutoSolver<Scalar>& { return i.solver(); }, integrator_);
+    const auto& solver =
+        std::visit([](const auto& i) -> const AutoSolver<Scalar>& { return i.integrator().solver(); }, integrator_);
     facts.solver = solver.method() == SolverMethod::cholesky ? "cholesky" : "pcg";
     if (solver.method() != SolverMethod::cholesky) facts.preconditioner = name_of(solver.preconditioner());
     facts.predicted_products = solver.predicted_products();
@@ -160,11 +162,15 @@ class TypedSimulation final : public Simulation {
   }
 
  private:
-  using Integrator = std::variant<ImplicitEuler<Body>, Bdf2<Body>>;
+  using Euler = AdaptiveStep<ImplicitEuler<Body>, Body>;
+  using SecondOrder = AdaptiveStep<Bdf2<Body>, Body>;
+  using Integrator = std::variant<Euler, SecondOrder>;
 
   static Integrator make_integrator(const Scene& scene, const Body& body) {
-    if (scene.integrator == IntegratorKind::bdf2) return Bdf2<Body>(body, scene.solver, scene.newton);
-    return ImplicitEuler<Body>(body, scene.solver, scene.newton);
+    const TrustOptions trust{.otherwise = scene.untrusted};
+    if (scene.integrator == IntegratorKind::bdf2)
+      return SecondOrder(Bdf2<Body>(body, scene.solver, scene.newton), body, trust);
+    return Euler(ImplicitEuler<Body>(body, scene.solver, scene.newton), body, trust);
   }
 
   static Body make_body(const Scene& scene, const MeshData& mesh) {

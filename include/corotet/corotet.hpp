@@ -23,6 +23,7 @@
 #include <corotet/core/simd_pack.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/core/version.hpp>
+#include <corotet/dynamics/adaptive_step.hpp>
 #include <corotet/dynamics/bdf2.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <corotet/dynamics/implicit_step.hpp>

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "support/bodies.hpp"
+#include "support/floating_point_traps.hpp"
 #include "support/solver_choice.hpp"
 #include "support/solver_instances.hpp"
 
@@ -291,6 +292,7 @@ void expect_untouched(const Body& now, const Body& before) {
 }
 
 TYPED_TEST(Dynamics, BadInputIsRefusedByNameAndChangesNothing) {
+  const testing::WithoutTraps numbers_that_are_none;
   using Scalar = typename TypeParam::Scalar;
   auto body = beam<Scalar, typename TypeParam::Element>({3, 1, 1});
   ImplicitEuler euler(body, testing::solver());
@@ -335,8 +337,7 @@ TYPED_TEST(Dynamics, BadInputIsRefusedByNameAndChangesNothing) {
   expect_untouched(body, before);
 
   body.external_forces()[7].y() = std::numeric_limits<Scalar>::max();  // finite, but its consequences are not
-  const StepReport overflow = euler.step(body, Scalar(1e3));
-  EXPECT_FALSE(overflow.accepted());
+  EXPECT_FALSE(euler.step(body, Scalar(1e3)).accepted());
   expect_untouched(body, before);
   body.external_forces()[7].y() = 0;
   EXPECT_TRUE(euler.step(body, Scalar(0.01)).accepted()) << "a refusal must not poison the integrator";

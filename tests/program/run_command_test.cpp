@@ -53,7 +53,8 @@ TEST_F(RunCommand, WritesEveryFileAndKey) {
     EXPECT_GT(summary[key], 0) << key;
   EXPECT_EQ(
       summary["status"],
-      Json::parse(R"({"converged":5,"unconverged":0,"newton_unconverged":0,"with_inverted_elements":0,"refused":0})"));
+      Json::parse(
+          R"({"converged":5,"unconverged":0,"newton_unconverged":0,"untrusted":0,"with_inverted_elements":0,"refused":0})"));
   EXPECT_EQ(summary["completed"], true);
   EXPECT_EQ(summary["steps"], 5);
   EXPECT_EQ(summary["order"], 2);
@@ -269,6 +270,36 @@ TEST_F(RunCommand, NewtonIsReported) {
   summary = read_json("out/summary.json");
   EXPECT_GT(summary["status"]["newton_unconverged"], 0);
   EXPECT_EQ(summary["newton"]["iterations"]["max"], 2);
+}
+
+// The held end is pushed into the body within one step, faster than sound in it: kept and warned of, the end of the
+// run, or gone through in smaller steps.
+TEST_F(RunCommand, TheSceneChoosesWhatBecomesOfUntrustedSteps) {
+  must("mesh beam --cells 8 2 2 -o beam.msh");
+  const auto scene = [](const std::string& untrusted) {
+    return R"({"mesh": "beam.msh", "steps": 3, "integrator": {"dt": 0.02, "untrusted": ")" + untrusted +
+           R"("}, "pins": [{"box": [[0,0,0],[0,1,1]], "path": [[0.02,0,0,0],[0.04,0.5,0,0]]}]})";
+  };
+  const auto outcome_of = [&](const std::string& untrusted) {
+    write("scene.json", scene(untrusted));
+    return corotet("run scene.json -o out");
+  };
+  const Outcome accepted = outcome_of("accept");
+  EXPECT_EQ(accepted.exit_code, 0);
+  EXPECT_NE(accepted.err.find("of 3 steps cannot be trusted"), std::string::npos) << accepted.err;
+  Json summary = read_json("out/summary.json");
+  EXPECT_EQ(summary["integrator"]["untrusted"], "accept");
+  EXPECT_GT(summary["status"]["untrusted"], 0);
+  EXPECT_EQ(summary["sub_steps"]["max"], 1);
+
+  const Outcome refused = outcome_of("refuse");
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.err.find("step 2 of 3 was refused: "), std::string::npos) << refused.err;
+
+  EXPECT_EQ(outcome_of("divide").exit_code, 0);
+  summary = read_json("out/summary.json");
+  EXPECT_GT(summary["sub_steps"]["max"], 1);
+  EXPECT_LE(summary["sub_steps"]["max"], 16);
 }
 
 TEST_F(RunCommand, UnconvergedStepsAreCountedAndWarnedOf) {

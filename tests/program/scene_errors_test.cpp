@@ -79,6 +79,7 @@ TEST_F(SceneErrors, EachIsNamedByItsKeyAndNothingIsWritten) {
       {R"("integrator": {"newton": 0})", "integrator.newton: must be >= 1"},
       {R"("integrator": {"newton_tolerance": 1})", "integrator.newton_tolerance: must be > 0 and < 1"},
       {R"("integrator": {"tangent": "secant"})", "integrator.tangent: must be one of: plain, stretch_stable, exact"},
+      {R"("integrator": {"untrusted": "retry"})", "integrator.untrusted: must be one of: accept, refuse, divide"},
       {R"("rotation": "gram_schmidt", "integrator": {"tangent": "exact"})",
        "integrator.tangent: exact is known only for"},
       {R"("integrator": {"step": 1})", "integrator.step: unknown key"},

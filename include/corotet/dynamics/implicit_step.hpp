@@ -47,9 +47,8 @@ class ImplicitStep {
   /// What keeps a step of `h` seconds from being tried, before anything is computed.
   [[nodiscard]] StepReport check(const Body& body, Scalar h) const {
     COROTET_ASSERT(body.pattern() == equation_.matrix().shared_pattern(), "this integrator was made for another body");
-    if (!(h > 0) || !std::isfinite(h)) return refused({}, Refusal::time_step);
-    if (options_.iterations < 1 || !(options_.tolerance > 0 && options_.tolerance < 1))
-      return refused({}, Refusal::newton_options);
+    if (!std::isfinite(h) || !(h > 0)) return refused({}, Refusal::time_step);
+    if (options_.iterations < 1 || !is_tolerance(options_.tolerance)) return refused({}, Refusal::newton_options);
     if (!body.gravity().allFinite()) return refused({}, Refusal::gravity);
     const auto force = body.external_forces();
     for (std::size_t v = 0; v < force.size(); ++v)
@@ -88,6 +87,7 @@ class ImplicitStep {
           equation_.evaluate(body, displacement_, executor);
         continue;
       }
+      if (status != SolveStatus::converged) report.solve = status;
       if (status == SolveStatus::breakdown) return refused(report, Refusal::solver_breakdown);
       if (status == SolveStatus::invalid_options) return refused(report, Refusal::solver_options);
       ++report.newton_iterations;

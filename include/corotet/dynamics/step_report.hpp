@@ -2,6 +2,7 @@
 #pragma once
 
 #include <corotet/core/types.hpp>
+#include <corotet/solve/solver.hpp>
 #include <cstdint>
 
 namespace corotet {
@@ -16,14 +17,25 @@ enum class Refusal : std::uint8_t {
   solver_options,    ///< the solver's tolerance or iteration limit is out of range
   newton_options,    ///< the tolerance or iteration limit of Newton's method is out of range
   solver_breakdown,  ///< the matrix is not positive definite, or its entries left the range of the scalar
-  overflow           ///< the new velocity is not finite in this precision
+  overflow,          ///< the new velocity is not finite in this precision
+  untrusted          ///< by AdaptiveStep, for the reason in `distrust`
 };
 
-/// How a step ended. What describes deformation is of the state after the step, and not filled in if it was refused.
+/// Why AdaptiveStep does not trust a step that the integrator did not refuse.
+enum class Distrust : std::uint8_t {
+  none,
+  residual,  ///< the linear solve or Newton's method ended far from its solution
+  inverted,  ///< elements were turned inside out
+  strain     ///< the largest strain has grown too far in one step
+};
+
+/// How a step ended. What describes deformation is of the state after the step, and not filled in if the integrator
+/// refused it; if AdaptiveStep did, it is of the state that was thrown away.
 struct StepReport {
   Refusal refusal = Refusal::none;
-  Index vertex = -1;             ///< the culprit, where `refusal` names one
-  bool converged = true;         ///< each linear solve reached its tolerance
+  Index vertex = -1;                           ///< the culprit, where `refusal` names one
+  bool converged = true;                       ///< each linear solve reached its tolerance
+  SolveStatus solve = SolveStatus::converged;  ///< how the last linear solve ended that did not converge
   int iterations = 0;            ///< of conjugate gradients, or corrections of a direct solution, all solves together
   double residual = 0;           ///< relative residual of the linear solve, the worst
   int newton_iterations = 0;     ///< linear solves
@@ -32,11 +44,16 @@ struct StepReport {
   Index inverted_elements = 0;   ///< elements turned inside out somewhere
   double largest_rotation = 0;   ///< of any element against its rest orientation, rad, 0 ... pi
   double largest_strain = 0;     ///< of any element, Frobenius norm of sym(R^T F) - I, dimensionless
+  Distrust distrust = Distrust::none;  ///< asked only by AdaptiveStep; of sub-steps, the last that was not trusted
+  int sub_steps = 1;                   ///< that AdaptiveStep divided the step into
+  int steps_tried = 1;                 ///< by AdaptiveStep, those that were thrown away included
 
   [[nodiscard]] bool accepted() const { return refusal == Refusal::none; }
 
   /// Accepted, and nothing to complain of.
-  [[nodiscard]] bool ok() const { return accepted() && converged && newton_converged && inverted_elements == 0; }
+  [[nodiscard]] bool ok() const {
+    return accepted() && converged && newton_converged && inverted_elements == 0 && distrust == Distrust::none;
+  }
 
   /// What to change, in one sentence; "" if all is well. The worst problem only.
   [[nodiscard]] const char* advice() const {
@@ -58,17 +75,29 @@ struct StepReport {
                "better shaped elements";
       case Refusal::overflow:
         return "the new state is too large for this precision: use smaller forces or steps";
+      case Refusal::untrusted:
+        return distrust == Distrust::residual
+                   ? "the solve ended far from its solution: raise its limits, or use smaller steps"
+               : distrust == Distrust::inverted
+                   ? "elements would be turned inside out: use smaller steps or gentler pins"
+                   : too_much_strain;
       case Refusal::none:
         break;
     }
-    if (!converged)
-      return "the solver stopped short of its tolerance: raise max_iterations, loosen the tolerance, or use double";
+    if (solve == SolveStatus::stagnated)
+      return "rounding keeps the solver from its tolerance: loosen the tolerance, or use double";
+    if (!converged) return "the solver stopped short of its tolerance: raise max_iterations, or loosen the tolerance";
     if (!newton_converged)
       return "Newton's method stopped short of its tolerance: raise its iterations, use the exact tangent, or smaller "
              "steps";
+    if (distrust == Distrust::strain && inverted_elements == 0) return too_much_strain;
     if (inverted_elements > 0) return "elements are inverted: use smaller steps, gentler pins, or a stiffer material";
     return "";
   }
+
+ private:
+  static constexpr const char* too_much_strain =
+      "the strain grows too far in one step: use smaller steps or gentler pins";
 };
 
 }  // namespace corotet

@@ -87,7 +87,7 @@ class AutoSolver {
   template <Executor E>
   SolveReport solve_directly(const StepSystem<Scalar>& system, Field<Scalar>& x, E& executor) {
     flat(x).setZero();
-    if (!(options_.tolerance > 0 && options_.tolerance < 1)) return {SolveStatus::invalid_options, 0, 1.0};
+    if (!is_tolerance(options_.tolerance)) return {SolveStatus::invalid_options, 0, 1.0};
     for (Index k = 0; k < system.matrix.pattern().blocks(); ++k)
       in_double_.block(k) = system.matrix.block(k).template cast<double>();
     if (!cholesky_.factorize(in_double_)) return {SolveStatus::breakdown, 0, 1.0};

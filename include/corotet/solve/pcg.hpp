@@ -64,7 +64,7 @@ class Pcg {
                     E& executor) {
     SolveReport report;
     flat(x).setZero();
-    if (!(options.tolerance > 0 && options.tolerance < 1) || options.max_iterations < 0)
+    if (!is_tolerance(options.tolerance) || options.max_iterations < 0)
       return {SolveStatus::invalid_options, 0, 1.0};
     double energy = guess_.start(system, x_, r_, executor);
     double error2 = preconditioner.apply(r_, z_, executor);

@@ -1,6 +1,7 @@
 // The policy slot "how is the linear system of a step solved", and the concepts around it.
 #pragma once
 
+#include <cmath>
 #include <concepts>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/register.hpp>
@@ -28,6 +29,11 @@ enum class SolveStatus {
   invalid_options,  ///< a tolerance or limit outside its range; nothing was solved
   breakdown         ///< the matrix is not positive definite in this precision, or not finite
 };
+
+/// Whether a tolerance is in its range. (Not a number is asked for first: comparing it may trap.)
+[[nodiscard]] inline bool is_tolerance(double tolerance) {
+  return std::isfinite(tolerance) && tolerance > 0 && tolerance < 1;
+}
 
 struct SolveReport {
   SolveStatus status = SolveStatus::converged;

@@ -1,0 +1,174 @@
+// Steps that cannot be trusted are accepted, refused or divided: the caller chooses.
+#pragma once
+
+#include <algorithm>
+#include <corotet/core/assert.hpp>
+#include <corotet/core/executor.hpp>
+#include <corotet/core/result.hpp>
+#include <corotet/core/types.hpp>
+#include <corotet/dynamics/step_phase.hpp>
+#include <corotet/dynamics/step_report.hpp>
+#include <cstdint>
+#include <string_view>
+#include <utility>
+
+namespace corotet {
+
+/// What becomes of a step that cannot be trusted. StepReport::distrust says why in each case.
+enum class Untrusted : std::uint8_t {
+  accept,  ///< the body is where the step took it
+  refuse,  ///< the body is where it was: Refusal::untrusted
+  divide   ///< h is gone through in 2, 4, 8, ... equal steps until all can be trusted, or there are too many
+};
+
+/// As in a scene file.
+[[nodiscard]] constexpr std::string_view name_of(Untrusted otherwise) {
+  return otherwise == Untrusted::accept ? "accept" : otherwise == Untrusted::refuse ? "refuse" : "divide";
+}
+
+struct TrustOptions {
+  Untrusted otherwise = Untrusted::divide;
+  int most_halvings = 4;           ///< of the step, 0 ... 30: 4 means at most 16 steps instead of one
+  double largest_residual = 0.05;  ///< relative, of a linear solve or of Newton's method that has not converged
+  /// Of StepReport::largest_strain in one step. Known, as is how many elements are newly inverted, if the last step
+  /// ended in this state or the body is in its rest shape; not in the first step from another state that was set.
+  double largest_strain_growth = 0.5;
+};
+
+/// An integrator around an integrator. The report is that of the steps that were kept, together: iterations are summed,
+/// of residuals the worst counts, deformation is that at the end.
+///
+/// Pins go to their targets in a straight line at equal speed during the sub-steps of a step; forces stay. Costs a copy
+/// of the state a step (`accept`: nothing) as long as steps can be trusted. A Bdf2 begins anew after a division, by a
+/// step of backward Euler. Made once for a body and its copies; then `step` allocates nothing.
+template <class Integrator, class Body>
+class AdaptiveStep {
+ public:
+  using Scalar = typename Body::scalar_type;
+
+  AdaptiveStep(Integrator integrator, const Body& body, const TrustOptions& options = {})
+      : integrator_(std::move(integrator)), options_(options) {
+    COROTET_ASSERT(options.most_halvings >= 0 && options.most_halvings <= 30, "that many halvings mean nothing");
+    if (options_.otherwise == Untrusted::accept) return;
+    displacement_ = body.displacements();
+    velocity_ = body.velocities();
+    target_.reserve(at(body.vertex_count()));  // as many as there may be pins
+  }
+
+  [[nodiscard]] const Integrator& integrator() const { return integrator_; }
+  [[nodiscard]] const TrustOptions& options() const { return options_; }
+
+  /// Advances `body` by `h` seconds. A refused step leaves it untouched, also where only a sub-step was refused.
+  template <Executor E, StepObserver O = IgnorePhases>
+  StepReport step(Body& body, Scalar h, E& executor, O&& observer = O()) {
+    if (options_.otherwise != Untrusted::accept) {
+      displacement_ = body.displacements();
+      velocity_ = body.velocities();
+      target_ = body.pins().targets();
+    }
+    const std::uint64_t start = body.motion_revision();
+    if (motion_ != start) {
+      before_ = {};
+      known_ = flat(body.displacements()).isZero(0);
+    }
+    const int most = options_.otherwise == Untrusted::divide ? 1 << options_.most_halvings : 1;
+    StepReport report;
+    for (int parts = 1, tried = 0;; parts *= 2) {
+      const bool last = parts >= most;
+      report = go_through(body, h, parts, last, executor, observer);
+      tried += report.steps_tried;
+      report.steps_tried = tried;
+      const bool kept = report.accepted() && (report.distrust == Distrust::none || last);
+      if (kept && (report.distrust == Distrust::none || options_.otherwise != Untrusted::refuse)) {
+        motion_ = body.motion_revision();
+        known_ = true;
+        before_ = report;
+        return report;
+      }
+      if (body.motion_revision() != start) restore(body);
+      if (last || is_misuse(report.refusal)) break;
+    }
+    if (report.accepted()) report.refusal = Refusal::untrusted;
+    return report;
+  }
+  StepReport step(Body& body, Scalar h) {
+    SerialExecutor serial;
+    return step(body, h, serial);
+  }
+
+ private:
+  /// Whether smaller steps would be refused just the same.
+  [[nodiscard]] static bool is_misuse(Refusal refusal) {
+    return refusal != Refusal::none && refusal != Refusal::solver_breakdown && refusal != Refusal::overflow;
+  }
+
+  /// Goes through h in so many equal parts; where there is another attempt, only up to the first that cannot be
+  /// trusted.
+  template <Executor E, class O>
+  StepReport go_through(Body& body, Scalar h, int parts, bool last, E& executor, O& observer) {
+    StepReport all, before = before_;
+    bool known = known_;
+    for (int part = 1; part <= parts; ++part) {
+      if (parts > 1) lead_pins(body, static_cast<Scalar>(part) / static_cast<Scalar>(parts));
+      StepReport now = integrator_.step(body, h / static_cast<Scalar>(parts), executor, observer);
+      now.distrust = now.accepted() ? distrust_of(now, before, known) : Distrust::none;
+      before = now;
+      known = true;
+      all = part == 1 ? now : joined(all, now);
+      all.steps_tried = part;
+      if (!now.accepted() || (now.distrust != Distrust::none && !last)) break;
+    }
+    if (parts > 1) lead_pins(body, 1);
+    all.sub_steps = parts;
+    return all;
+  }
+
+  [[nodiscard]] Distrust distrust_of(const StepReport& now, const StepReport& before, bool known) const {
+    const auto too_far = [this](bool converged, double residual) {
+      return !converged && !(residual <= options_.largest_residual);
+    };
+    if (too_far(now.converged, now.residual) || too_far(now.newton_converged, now.newton_residual))
+      return Distrust::residual;
+    if (known && now.inverted_elements > before.inverted_elements) return Distrust::inverted;
+    if (known && !(now.largest_strain - before.largest_strain <= options_.largest_strain_growth))
+      return Distrust::strain;
+    return Distrust::none;
+  }
+
+  [[nodiscard]] static StepReport joined(const StepReport& before, StepReport now) {
+    now.converged = before.converged && now.converged;
+    if (now.solve == SolveStatus::converged) now.solve = before.solve;
+    now.iterations += before.iterations;
+    now.residual = std::max(before.residual, now.residual);
+    now.newton_iterations += before.newton_iterations;
+    now.newton_converged = before.newton_converged && now.newton_converged;
+    now.newton_residual = std::max(before.newton_residual, now.newton_residual);
+    if (now.distrust == Distrust::none) now.distrust = before.distrust;
+    return now;
+  }
+
+  /// Sets the targets of pins to where they are after this share of the step.
+  void lead_pins(Body& body, Scalar share) {
+    const auto& pinned = body.pins().vertices();
+    for (std::size_t p = 0; p < pinned.size(); ++p) {
+      const Vec3<Scalar>& from = displacement_[at(pinned[p])];
+      body.pins().move(pinned[p], share == 1 ? target_[p] : (from + share * (target_[p] - from)).eval());
+    }
+  }
+
+  void restore(Body& body) {
+    Status restored = body.set_displacements(displacement_);
+    if (restored.ok()) restored = body.set_velocities(velocity_);
+    COROTET_ASSERT(restored.ok(), "the state was the body's");
+  }
+
+  Integrator integrator_;
+  TrustOptions options_;
+  Field<Scalar> displacement_, velocity_, target_;  // when the step began; where pins shall go
+  // Of the state that a step begins in: whether its deformation is known, and if so the report that tells it.
+  bool known_ = false;
+  StepReport before_;
+  std::uint64_t motion_ = 0;  // in which the last step that was kept ended; no body has 0
+};
+
+}  // namespace corotet
