@@ -204,7 +204,8 @@ Study study_of(const Scene& scene, const RunInput& input, bool quick) {
   // About thirty samples, each a whole number of the longest steps apart.
   const int every = 2 * std::max(1, steps / 60);
   study.sample_interval = every * scene.dt;
-  study.duration = steps / every * study.sample_interval;
+  const int samples = steps / every;
+  study.duration = samples * study.sample_interval;
 
   study.probes = scene.probes;
   if (study.probes.empty()) {

@@ -14,8 +14,6 @@
 namespace corotet::program {
 namespace {
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
-
 /// One product of the mesh's matrix with a vector, us; 0 if no body can be made of it. Each mesh is timed once.
 class Yardstick {
  public:
@@ -39,6 +37,7 @@ ReportRow measure(const Study& study, const Planned& planned, References& refere
                   Yardstick& yardstick) {
   const Configuration& c = planned.configuration;
   ReportRow row{planned.role, c, {}, {}, {}, 0, 0, false};
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
   row.errors = {{none, none, none}, {none, none, none}, {none, none, none}, {none, none, none}};
   row.closed_form_errors.assign(study.closed_forms.size(), none);
   if (const double seconds = references.estimate(c); seconds > allowance.left()) {

@@ -20,6 +20,7 @@ std::vector<Planned> plan(const Study& study, const Configuration& base) {
   };
 
   std::vector<Configuration> meshes;
+  meshes.reserve(study.tet10_levels.size() + study.tet4_levels.size());
   for (const int level : study.tet10_levels) meshes.push_back({study.scene, level, 2});
   for (const int level : study.tet4_levels) meshes.push_back({study.scene, level, 1});
   const auto work = [&](const Configuration& c) {  // a 10-node element costs some ten 4-node ones

@@ -69,6 +69,7 @@ std::optional<BlockOptions> find_grid(const MeshData& linear) {
   if (!(block.size.minCoeff() > 0)) return std::nullopt;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> places;
+    places.reserve(linear.positions.size());
     for (const Vec3<double>& x : linear.positions) places.push_back(x[axis]);
     std::sort(places.begin(), places.end());
     const double tolerance = 1e-6 * block.size[axis];

@@ -47,8 +47,8 @@ MeshData with_bad_element(const Shape& shape, int order) {
     }
     if (found < 3 || opposite < 0) continue;
     const auto x = [&](int k) { return mesh.positions[at(face[k])]; };
-    for (int k = 0; k < 3; ++k) {  // the corner with the right angle comes first
-      std::swap(face[0], face[k]);
+    for (Index& corner : face) {  // the one with the right angle comes first
+      std::swap(face[0], corner);
       if (std::abs((x(1) - x(0)).dot(x(2) - x(0))) < 1e-9) break;
     }
     const Vec3<double> a = x(1) - x(0), b = x(2) - x(0);
