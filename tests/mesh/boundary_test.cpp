@@ -79,7 +79,7 @@ double element_volumes(const MeshData& mesh) {
   return volume;
 }
 
-class Boundary : public testing::TestWithParam<std::tuple<int, BlockSplit>> {};
+class Boundary : public ::testing::TestWithParam<std::tuple<int, BlockSplit>> {};
 
 TEST_P(Boundary, IsClosedOutwardAndEnclosesTheVolume) {
   const auto [order, split] = GetParam();

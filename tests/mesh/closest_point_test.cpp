@@ -7,7 +7,7 @@
 namespace corotet {
 namespace {
 
-class ClosestPoint : public testing::Test {
+class ClosestPoint : public ::testing::Test {
  protected:
   Vec3<double> random_vector(double size) {
     std::uniform_real_distribution<double> coordinate(-size, size);

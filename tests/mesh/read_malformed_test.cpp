@@ -13,7 +13,7 @@ namespace {
 
 using enum ErrorCode;
 
-const std::map<std::string, ErrorCode> expected{
+const std::map<std::string, ErrorCode> expected_codes{
     {"medit/binary.meshb", unsupported},
     {"medit/coordinate-nan.mesh", non_finite_value},
     {"medit/count-huge.mesh", malformed_file},
@@ -186,7 +186,7 @@ std::set<std::string> corpus() {
 }
 
 TEST(ReadMalformed, EachFileGivesItsError) {
-  for (const auto& [file, code] : expected) {
+  for (const auto& [file, code] : expected_codes) {
     const auto result = read_mesh(data_dir() / "malformed" / file);
     ASSERT_FALSE(result) << file << " was read as a mesh";
     EXPECT_EQ(result.error().code, code) << file << ": " << result.error().message();
@@ -198,7 +198,7 @@ TEST(ReadMalformed, EachFileGivesItsError) {
 }
 
 TEST(ReadMalformed, MalformedContentIsPlacedByLineOrByte) {
-  for (const auto& [file, code] : expected) {
+  for (const auto& [file, code] : expected_codes) {
     if (code == file_not_found || code == unknown_format || code == empty_mesh || file == "medit/binary.meshb")
       continue;
     const std::string where = read_mesh(data_dir() / "malformed" / file).error().where;
@@ -212,7 +212,7 @@ TEST(ReadMalformed, MalformedContentIsPlacedByLineOrByte) {
 
 TEST(ReadMalformed, TableAndFolderAgree) {
   std::set<std::string> in_table;
-  for (const auto& [file, code] : expected) in_table.insert(file);
+  for (const auto& [file, code] : expected_codes) in_table.insert(file);
   EXPECT_EQ(in_table, corpus());
   EXPECT_GE(in_table.size(), 50u);
 }

@@ -52,7 +52,7 @@ std::vector<Frame> frames_in(const std::string& path) {
   return frames;
 }
 
-class WritePvd : public testing::Test {
+class WritePvd : public ::testing::Test {
  protected:
   TemporaryFolder folder_;
   std::string path_ = (folder_ / "series.pvd").string();

@@ -76,7 +76,7 @@ void decode(const std::string& type, const std::string& bytes, std::size_t offse
   FAIL() << "unknown type " << type;
 }
 
-ParsedGrid parse(const std::string& file) {
+ParsedGrid parse_grid(const std::string& file) {
   ParsedGrid grid;
   const auto tag_after = [&](const std::string& name, std::size_t from) {
     const std::size_t begin = file.find("<" + name + " ", from);
@@ -139,8 +139,8 @@ Field<Scalar> field(Index count, unsigned seed) {
 }
 
 template <class T>
-class WriteVtu : public testing::Test {};
-using Scalars = testing::Types<float, double>;
+class WriteVtu : public ::testing::Test {};
+using Scalars = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(WriteVtu, Scalars);
 
 TYPED_TEST(WriteVtu, EveryEncodingGivesTheSameNumbersBack) {
@@ -168,7 +168,7 @@ TYPED_TEST(WriteVtu, EveryEncodingGivesTheSameNumbersBack) {
                            .cell_data = {{"region", region}}};
         const auto text = format_vtu(grid, {.encoding = encoding, .byte_order = byte_order});
         ASSERT_TRUE(text.ok()) << text.error().message();
-        const ParsedGrid back = parse(*text);
+        const ParsedGrid back = parse_grid(*text);
         EXPECT_EQ(back.byte_order, byte_order == std::endian::big ? "BigEndian" : "LittleEndian");
         EXPECT_EQ(back.points, mesh.positions.size());
         EXPECT_EQ(back.cells, at(mesh.element_count()));
@@ -193,13 +193,14 @@ TYPED_TEST(WriteVtu, EveryEncodingGivesTheSameNumbersBack) {
 TEST(WriteVtuCells, MeshesAndSurfacesAsTheyAre) {
   const MeshData data = make_block({}).value();
   const auto mesh = TetMesh<float, Tet4>::create(data).value();
-  const ParsedGrid tets = parse(format_vtu({.points = mesh.positions(), .cells = vtu_cells(mesh)}).value());
+  const ParsedGrid tets = parse_grid(format_vtu({.points = mesh.positions(), .cells = vtu_cells(mesh)}).value());
   EXPECT_EQ(tets.arrays.at("connectivity").values, numbers(data.connectivity));
 
   SurfaceMesh surface;
   surface.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
   surface.triangles = {{0, 1, 2}, {2, 1, 3}};
-  const ParsedGrid triangles = parse(format_vtu({.points = surface.positions, .cells = vtu_cells(surface)}).value());
+  const ParsedGrid triangles =
+      parse_grid(format_vtu({.points = surface.positions, .cells = vtu_cells(surface)}).value());
   EXPECT_EQ(triangles.arrays.at("connectivity").values, (std::vector<double>{0, 1, 2, 2, 1, 3}));
   EXPECT_EQ(triangles.arrays.at("types").values, (std::vector<double>{5, 5}));
 }
@@ -209,8 +210,8 @@ TEST(WriteVtuCells, NothingIsAGridToo) {
   for (const VtuEncoding encoding : {VtuEncoding::appended, VtuEncoding::base64, VtuEncoding::ascii}) {
     const auto text = format_vtu({.points = nothing.positions, .cells = vtu_cells(nothing)}, {.encoding = encoding});
     ASSERT_TRUE(text.ok());
-    EXPECT_EQ(parse(*text).points, 0u);
-    EXPECT_EQ(parse(*text).cells, 0u);
+    EXPECT_EQ(parse_grid(*text).points, 0u);
+    EXPECT_EQ(parse_grid(*text).cells, 0u);
   }
 }
 
@@ -225,7 +226,7 @@ TEST(WriteVtuNames, AreEscaped) {
   EXPECT_EQ(text.find(name), std::string::npos);
 }
 
-class WriteVtuErrors : public testing::Test {
+class WriteVtuErrors : public ::testing::Test {
  protected:
   /// The error of writing `points_` and `mesh_` with the given arrays.
   Error error_of(std::vector<VtuArray> point_data, std::vector<VtuArray> cell_data = {}) {
