@@ -292,7 +292,6 @@ void expect_untouched(const Body& now, const Body& before) {
 }
 
 TYPED_TEST(Dynamics, BadInputIsRefusedByNameAndChangesNothing) {
-  const testing::WithoutTraps numbers_that_are_none;
   using Scalar = typename TypeParam::Scalar;
   auto body = beam<Scalar, typename TypeParam::Element>({3, 1, 1});
   ImplicitEuler euler(body, testing::solver());
@@ -336,6 +335,7 @@ TYPED_TEST(Dynamics, BadInputIsRefusedByNameAndChangesNothing) {
   EXPECT_FALSE(body.set_displacements(Field<Scalar>(3, Vec3<Scalar>::Zero())).ok());
   expect_untouched(body, before);
 
+  const testing::WithoutTraps overflow_is_meant;
   body.external_forces()[7].y() = std::numeric_limits<Scalar>::max();  // finite, but its consequences are not
   EXPECT_FALSE(euler.step(body, Scalar(1e3)).accepted());
   expect_untouched(body, before);

@@ -8,6 +8,7 @@
 #include <concepts>
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/assembly/elastic_evaluation.hpp>
+#include <corotet/assembly/element_rotations.hpp>
 #include <corotet/assembly/mean_dilatation.hpp>
 #include <corotet/assembly/strain.hpp>
 #include <corotet/core/executor.hpp>
@@ -165,30 +166,19 @@ class Elasticity {
     }
   }
 
-  /// F and R at each quadrature point of a batch.
-  static void deformation(const Batch& batch, const Field<Scalar>& displacement,
-                          std::array<Mat3Lanes<Scalar>, points>& f, std::array<Mat3Lanes<Scalar>, points>& r) {
+  /// F and R at each quadrature point of a batch, and the least determinant of F in each element.
+  static Lanes<Scalar> deformation(const Batch& batch, const Field<Scalar>& displacement,
+                                   std::array<Mat3Lanes<Scalar>, points>& f, std::array<Mat3Lanes<Scalar>, points>& r) {
     std::array<Vec3Lanes<Scalar>, nodes> u;
     batch.gather(displacement.data(), u);
     for (std::size_t q = 0; q < points; ++q) batch.displacement_gradient(q, u, f[q]);
-    for (std::size_t q = 0; q < points; ++q)
+    Lanes<Scalar> least = 1;
+    for (std::size_t q = 0; q < points; ++q) {
       for (int i = 0; i < 3; ++i) f[q](i, i) += 1;
-    if constexpr (Rotation::per_element && points > 1) {
-      Lanes<Scalar> volume = batch.point[0].volume;
-      for (std::size_t q = 1; q < points; ++q) volume += batch.point[q].volume;
-      volume = select(volume > 0, volume, Lanes<Scalar>(1));
-      Mat3Lanes<Scalar> mean;
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) {
-          mean(i, j) = batch.point[0].volume * f[0](i, j);
-          for (std::size_t q = 1; q < points; ++q) mean(i, j) += batch.point[q].volume * f[q](i, j);
-          mean(i, j) = mean(i, j) / volume;
-        }
-      Rotation::extract(mean, r[0]);
-      for (std::size_t q = 1; q < points; ++q) r[q] = r[0];
-    } else {
-      for (std::size_t q = 0; q < points; ++q) Rotation::extract(f[q], r[q]);
+      least = min(least, determinant(f[q]));
     }
+    extract_rotations<Rotation>(batch, f, least, r);
+    return least;
   }
 
   /// Of the elements that each lane has held. Lanes beyond the last element are at rest.
@@ -207,7 +197,7 @@ class Elasticity {
     using L = Lanes<Scalar>;
     const Batch& batch = batches_[at(b)];
     std::array<Mat3Lanes<Scalar>, points> f, r;
-    deformation(batch, displacement, f, r);
+    const L least_determinant = deformation(batch, displacement, f, r);
 
     const bool own_mean = mean_.on() && !Mean::over_patches;
     const typename Mean::OfBatch mean = mean_.of_batch(batch, b, f, r);
@@ -215,7 +205,6 @@ class Elasticity {
     std::array<L, points> volumetric;
     for (Vec3Lanes<Scalar>& node : force)
       for (L& component : node) component = 0;
-    L least_determinant = 1;
     const Index first = b * lane_count<Scalar>;
     const int used = static_cast<int>(std::min<Index>(lane_count<Scalar>, elements_ - first));
 
@@ -224,7 +213,6 @@ class Elasticity {
       const Strain e = corotational_strain(fq, rq);
       extremes.largest_strain2 = max(extremes.largest_strain2, e.squared_norm());
       extremes.least_trace = min(extremes.least_trace, rq(0, 0) + rq(1, 1) + rq(2, 2));
-      least_determinant = min(least_determinant, determinant(fq));
 
       const Mat3Lanes<Scalar>& inverse = batch.point[q].inverse_jacobian;
       Mat3Lanes<Scalar> stress, rotated, rotated_stress, natural_stress;

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>  // cross products
 #include <Eigen/LU>        // 3x3 determinant and inverse
+#include <cmath>
 #include <concepts>
 #include <cstdint>
 #include <vector>
@@ -35,6 +36,13 @@ template <std::floating_point Scalar>
 template <std::floating_point Scalar>
 [[nodiscard]] Eigen::Map<const VecX<Scalar>> flat(const Field<Scalar>& field) {
   return {field.empty() ? nullptr : field.front().data(), static_cast<Eigen::Index>(3 * field.size())};
+}
+
+/// Whether none is infinite or not a number. For what a caller gave: Eigen's allFinite subtracts, and so raises the
+/// floating-point exception that a caller may have made a trap of.
+template <std::floating_point Scalar>
+[[nodiscard]] bool all_finite(const Vec3<Scalar>& v) {
+  return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
 }
 
 /// An array's length as an Index. Every array in the library is bounded by the mesh, whose creation checks the range.

@@ -47,14 +47,14 @@ class ImplicitStep {
   /// What keeps a step of `h` seconds from being tried, before anything is computed.
   [[nodiscard]] StepReport check(const Body& body, Scalar h) const {
     COROTET_ASSERT(body.pattern() == equation_.matrix().shared_pattern(), "this integrator was made for another body");
-    if (!std::isfinite(h) || !(h > 0)) return refused({}, Refusal::time_step);
+    if (!std::isfinite(h) || h <= 0) return refused({}, Refusal::time_step);
     if (options_.iterations < 1 || !is_tolerance(options_.tolerance)) return refused({}, Refusal::newton_options);
-    if (!body.gravity().allFinite()) return refused({}, Refusal::gravity);
+    if (!all_finite(body.gravity())) return refused({}, Refusal::gravity);
     const auto force = body.external_forces();
     for (std::size_t v = 0; v < force.size(); ++v)
-      if (!force[v].allFinite()) return refused({}, Refusal::external_force, static_cast<Index>(v));
+      if (!all_finite(force[v])) return refused({}, Refusal::external_force, static_cast<Index>(v));
     for (std::size_t p = 0; p < body.pins().targets().size(); ++p)
-      if (!body.pins().targets()[p].allFinite()) return refused({}, Refusal::pin_target, body.pins().vertices()[p]);
+      if (!all_finite(body.pins().targets()[p])) return refused({}, Refusal::pin_target, body.pins().vertices()[p]);
     return {};
   }
 

@@ -43,7 +43,7 @@ class SoftBody {
   [[nodiscard]] static Result<SoftBody> create(Mesh mesh, const Materials& materials, const BodyOptions& options = {}) {
     if (Status s = materials.template check<Scalar>(at(mesh.element_count())); !s) return s.error();
     for (const double damping : {options.damping.mass, options.damping.stiffness})
-      if (!(damping >= 0) || !std::isfinite(damping))
+      if (!std::isfinite(damping) || damping < 0)
         return Error{ErrorCode::invalid_argument, "damping", "must be >= 0 and finite"};
     return SoftBody(std::move(mesh), materials, options);
   }
@@ -155,7 +155,7 @@ class SoftBody {
           ErrorCode::invalid_argument, name,
           "there are " + std::to_string(field.size()) + " for " + std::to_string(displacement_.size()) + " vertices"};
     for (std::size_t v = 0; v < field.size(); ++v)
-      if (!field[v].allFinite())
+      if (!all_finite(field[v]))
         return Error{ErrorCode::non_finite_value, std::string(name) + " of vertex " + std::to_string(v),
                      "is not finite"};
     return {};

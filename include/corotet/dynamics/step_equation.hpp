@@ -164,14 +164,14 @@ class StepEquation {
     return sums_(executor, [&](Index begin, Index end) { return Sums{range_dot(right_side_, d, begin, end), 0}; })[0];
   }
 
-  /// |right_side| in the norm of the inverse of the matrix's diagonal.
+  /// |right_side| in the norm of the inverse of the matrix's diagonal, which may be negative: Tangent::exact.
   template <Executor E>
   [[nodiscard]] double right_side_norm(E& executor) {
     return std::sqrt(sums_(executor, [&](Index begin, Index end) {
       double sum = 0;
       for (Index i = begin; i < end; ++i)
         sum += right_side_[at(i)].template cast<double>().squaredNorm() /  // whose range float would leave
-               static_cast<double>(matrix_.diagonal(i).trace());
+               std::abs(static_cast<double>(matrix_.diagonal(i).trace()));
       return Sums{sum, 0};
     })[0]);
   }
@@ -183,7 +183,7 @@ class StepEquation {
       double part = 0;
       for (Index i = begin; i < end; ++i) {
         const Scalar size2 = body.mesh().position(i).squaredNorm() + body.displacements()[at(i)].squaredNorm();
-        part += static_cast<double>(matrix_.diagonal(i).trace()) / 3 * static_cast<double>(size2);
+        part += std::abs(static_cast<double>(matrix_.diagonal(i).trace())) / 3 * static_cast<double>(size2);
       }
       return Sums{part, 0};
     })[0];

@@ -76,11 +76,7 @@ struct StepReport {
       case Refusal::overflow:
         return "the new state is too large for this precision: use smaller forces or steps";
       case Refusal::untrusted:
-        return distrust == Distrust::residual
-                   ? "the solve ended far from its solution: raise its limits, or use smaller steps"
-               : distrust == Distrust::inverted
-                   ? "elements would be turned inside out: use smaller steps or gentler pins"
-                   : too_much_strain;
+        return distrust_advice();
       case Refusal::none:
         break;
     }
@@ -90,14 +86,24 @@ struct StepReport {
     if (!newton_converged)
       return "Newton's method stopped short of its tolerance: raise its iterations, use the exact tangent, or smaller "
              "steps";
-    if (distrust == Distrust::strain && inverted_elements == 0) return too_much_strain;
     if (inverted_elements > 0) return "elements are inverted: use smaller steps, gentler pins, or a stiffer material";
-    return "";
+    return distrust_advice();
   }
 
  private:
-  static constexpr const char* too_much_strain =
-      "the strain grows too far in one step: use smaller steps or gentler pins";
+  [[nodiscard]] const char* distrust_advice() const {
+    switch (distrust) {
+      case Distrust::residual:
+        return "the solve ended far from its solution: raise its limits, or use smaller steps";
+      case Distrust::inverted:
+        return "elements were turned inside out: use smaller steps or gentler pins";
+      case Distrust::strain:
+        return "the strain grew too far in one step: use smaller steps or gentler pins";
+      case Distrust::none:
+        break;
+    }
+    return "";
+  }
 };
 
 }  // namespace corotet

@@ -35,10 +35,10 @@ struct Lame {
     return Error{ErrorCode::invalid_argument, where + "." + name,
                  std::string("must be ") + range + ", is " + number_text(value)};
   };
-  if (!(m.young > 0) || !std::isfinite(m.young)) return refuse("young", m.young, "positive and finite (Pa)");
-  if (!(m.poisson > -1 && m.poisson < 0.5)) return refuse("poisson", m.poisson, "between -1 and 0.5, both excluded");
-  if (!(m.density > 0) || !std::isfinite(m.density))
-    return refuse("density", m.density, "positive and finite (kg/m^3)");
+  if (!std::isfinite(m.young) || m.young <= 0) return refuse("young", m.young, "positive and finite (Pa)");
+  if (!std::isfinite(m.poisson) || m.poisson <= -1 || m.poisson >= 0.5)
+    return refuse("poisson", m.poisson, "between -1 and 0.5, both excluded");
+  if (!std::isfinite(m.density) || m.density <= 0) return refuse("density", m.density, "positive and finite (kg/m^3)");
   return {};
 }
 
@@ -66,7 +66,7 @@ class Materials {
       if (Status s = corotet::check(materials_[e], where); !s) return s;
       const auto [lambda, mu] = lame(materials_[e]);
       for (const double parameter : {lambda, mu, materials_[e].density})
-        if (!std::isfinite(static_cast<Scalar>(parameter)))
+        if (std::abs(parameter) > static_cast<double>(std::numeric_limits<Scalar>::max()))
           return Error{ErrorCode::invalid_argument, where, number_text(parameter) + " is too large for this precision"};
       // Below the normal numbers digits are lost, and then all: a body without mass or stiffness.
       for (const auto& [name, parameter] :

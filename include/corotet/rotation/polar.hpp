@@ -1,6 +1,7 @@
 // The rotation of the polar decomposition F = R S: the default, and the one whose force has an energy.
 #pragma once
 
+#include <algorithm>
 #include <corotet/core/lanes.hpp>
 #include <corotet/rotation/polar_robust.hpp>
 #include <corotet/rotation/rotation_extractor.hpp>
@@ -13,13 +14,14 @@ namespace corotet {
 ///
 /// In batches by Markley's closed form ("Attitude determination using vector observations: a fast optimal matrix
 /// algorithm", 1993, eqs. 8-17), with the largest root of the characteristic quartic by Newton from above. It loses
-/// digits as the two least signed stretches cancel; lanes where that shows are done again by `polar_robust`.
+/// digits as the two least signed stretches cancel; lanes where that shows are done again by `polar_robust`, where
+/// `unit` is explained.
 struct Polar {
   static constexpr bool per_element = false;
   static constexpr std::string_view name = "polar";
 
   template <std::floating_point Scalar>
-  static void extract(const Mat3Lanes<Scalar>& f, Mat3Lanes<Scalar>& r) {
+  static void extract(const Mat3Lanes<Scalar>& f, Mat3Lanes<Scalar>& r, Scalar unit = 0) {
     using L = Lanes<Scalar>;
     constexpr Scalar epsilon = std::numeric_limits<Scalar>::epsilon();
 
@@ -27,7 +29,8 @@ struct Polar {
     L largest = abs(f(0, 0));
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) largest = max(largest, abs(f(i, j)));
-    LaneMask<Scalar> sure = (largest > lowest<Scalar>()) & (largest < highest<Scalar>());
+    LaneMask<Scalar> sure =
+        (largest > std::max(lowest<Scalar>(), rounding_of_entries(unit))) & (largest < highest<Scalar>());
     const L scale = L(1) / select(sure, largest, L(1));
     Mat3Lanes<Scalar> b;
     for (int i = 0; i < 3; ++i)
@@ -71,7 +74,7 @@ struct Polar {
     sure = sure & polish(r);
     if (!sure.all())
       for (int l = 0; l < lane_count<Scalar>; ++l)
-        if (!sure[l]) r.set_lane(l, polar_robust<Scalar>(f.lane(l)));
+        if (!sure[l]) r.set_lane(l, polar_robust<Scalar>(f.lane(l), unit));
   }
 
  private:

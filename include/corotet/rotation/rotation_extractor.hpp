@@ -21,6 +21,16 @@ concept RotationExtractor =
       requires std::same_as<decltype(Model::name), const std::string_view>;
     };
 
+/// R of deformation gradients. A model that asks for it learns that F was summed from the identity and others, and so
+/// is rounded as numbers of size 1 are.
+template <RotationExtractor Model, std::floating_point Scalar>
+COROTET_ALWAYS_INLINE void extract_from_gradient(const Mat3Lanes<Scalar>& f, Mat3Lanes<Scalar>& r) {
+  if constexpr (requires { Model::extract(f, r, Scalar(1)); })
+    Model::extract(f, r, Scalar(1));
+  else
+    Model::extract(f, r);
+}
+
 /// One matrix through the batch code: for tests and one-off use.
 template <RotationExtractor Model, std::floating_point Scalar>
 [[nodiscard]] Mat3<Scalar> extract_rotation(const Mat3<Scalar>& f) {

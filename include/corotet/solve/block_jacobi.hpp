@@ -16,7 +16,7 @@ template <std::floating_point Scalar>
 class BlockJacobi {
  public:
   /// The residual says little about the error here: see Pcg.
-  static constexpr int error_delay = 8;
+  static constexpr int error_delay = 16;
 
   BlockJacobi() = default;
   explicit BlockJacobi(const BlockPattern& pattern, bool whole_blocks = true)

@@ -64,8 +64,7 @@ class Pcg {
                     E& executor) {
     SolveReport report;
     flat(x).setZero();
-    if (!is_tolerance(options.tolerance) || options.max_iterations < 0)
-      return {SolveStatus::invalid_options, 0, 1.0};
+    if (!is_tolerance(options.tolerance) || options.max_iterations < 0) return {SolveStatus::invalid_options, 0, 1.0};
     double energy = guess_.start(system, x_, r_, executor);
     double error2 = preconditioner.apply(r_, z_, executor);
     if (!std::isfinite(error2) || error2 < 0 || !std::isfinite(energy)) return {SolveStatus::breakdown, 0, 1.0};
@@ -76,15 +75,19 @@ class Pcg {
       const double before = error2;
       measure(system, executor);
       error2 = preconditioner.apply(r_, z_, executor);
-      if (!std::isfinite(error2)) report.status = SolveStatus::breakdown;
+      // P that rounding has made indefinite: what is left is not known.
+      if (!std::isfinite(error2) || error2 < -wanted * energy) report.status = SolveStatus::breakdown;
       if (report.status != SolveStatus::converged) break;
       if (error2 > wanted * energy && error2 > before / 4) {  // half the error at least, or rounding has taken over
         report.status = SolveStatus::stagnated;
         break;
       }
     }
-    report.residual = energy > 0 ? std::sqrt(error2 / energy) : 0;
-    if (report.status == SolveStatus::breakdown) return report;
+    if (report.status == SolveStatus::breakdown) {
+      report.residual = 1;
+      return report;
+    }
+    report.residual = energy > 0 ? std::sqrt(std::abs(error2) / energy) : 0;
     for_ranges(executor, size_of(x), RangeSum::grain, [&](Index begin, Index end) {
       for (Index v = begin; v < end; ++v) x[at(v)] = x_[at(v)].vector();
     });
