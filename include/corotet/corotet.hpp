@@ -24,6 +24,7 @@
 #include <corotet/core/types.hpp>
 #include <corotet/core/version.hpp>
 #include <corotet/dynamics/adaptive_step.hpp>
+#include <corotet/dynamics/angular_momentum.hpp>
 #include <corotet/dynamics/bdf2.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <corotet/dynamics/implicit_step.hpp>

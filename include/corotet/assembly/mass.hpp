@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <corotet/assembly/block_pattern.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/jacobian.hpp>
@@ -74,6 +75,16 @@ class Mass {
     if (model_ == MassModel::lumped) return sum;
     for (Index k = pattern.row_start[at(row)]; k < pattern.row_start[at(row) + 1]; ++k)
       sum += factor_[at(k)] * (x[at(pattern.column[at(k)])] - x[at(row)]);
+    return sum;
+  }
+  /// The same in double, of x(j) for each vertex j.
+  template <std::regular_invocable<Index> X>
+  [[nodiscard]] Vec3<double> row_product(const BlockPattern& pattern, Index row, const X& x) const {
+    const Vec3<double> here = x(row);
+    Vec3<double> sum = static_cast<double>(row_sum_[at(row)]) * here;
+    if (model_ == MassModel::lumped) return sum;
+    for (Index k = pattern.row_start[at(row)]; k < pattern.row_start[at(row) + 1]; ++k)
+      sum += static_cast<double>(factor_[at(k)]) * (x(pattern.column[at(k)]) - here);
     return sum;
   }
 

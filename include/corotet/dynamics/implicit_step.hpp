@@ -6,6 +6,7 @@
 #include <corotet/core/assert.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
+#include <corotet/dynamics/angular_momentum.hpp>
 #include <corotet/dynamics/line_search.hpp>
 #include <corotet/dynamics/newton_options.hpp>
 #include <corotet/dynamics/soft_body.hpp>
@@ -37,7 +38,8 @@ class ImplicitStep {
         velocity_(change_),
         displacement_(change_),
         energy_scratch_(newton.iterations > 1 ? body.law().mean_dilatation().scratch_size() : 0),
-        sum_(body.vertex_count()) {
+        sum_(body.vertex_count()),
+        spin_(body.vertex_count()) {
     solver_.analyze(body.pattern(), body.mesh().positions());
   }
 
@@ -123,8 +125,10 @@ class ImplicitStep {
       if (!done) observer(StepPhase::assembly);
     }
 
+    const bool spins = options_.keeps_angular_momentum && body.pins().vertices().empty();
+    if (spins && !keep_spin(body, formula, executor)) return refused(report, Refusal::overflow);
     body.swap_state(displacement_, velocity_);
-    if (newton && !projected) equation_.adopt(body);
+    if (newton && !projected && !spins) equation_.adopt(body);
     equation_.project_twist(false);
     equation_.evaluate(body, executor);
     const DeformationExtremes worst = equation_.worst();
@@ -201,6 +205,15 @@ class ImplicitStep {
     return not_finite == 0;
   }
 
+  template <Executor E>
+  [[nodiscard]] bool keep_spin(const Body& body, const StepFormula<Scalar>& formula, E& executor) {
+    const Scalar h = formula.ahead == 0 ? formula.c : formula.ahead;
+    const double damping = double(h) * body.damping().mass;
+    const double decay = formula.ahead == 0 ? 1 / (1 + damping) : std::exp(-damping);  // of first, of second order
+    spin_.restore(body, formula.position, h, decay, velocity_, executor);
+    return move(body, formula, 0, executor);
+  }
+
   /// displacement_ = xbar + c (velocity_ + fraction change_).
   template <Executor E>
   void try_move(const Body& body, const StepFormula<Scalar>& formula, Scalar fraction, E& executor) {
@@ -257,6 +270,7 @@ class ImplicitStep {
   Field<Scalar> change_, velocity_, displacement_;
   std::vector<double> energy_scratch_;
   RangeSum sum_;
+  AngularMomentum<Body> spin_;
 };
 
 }  // namespace corotet

@@ -1,4 +1,4 @@
-// How far a step solves its nonlinear equation.
+// How a step solves its nonlinear equation.
 #pragma once
 
 #include <corotet/assembly/twist_modes.hpp>
@@ -7,7 +7,7 @@ namespace corotet {
 
 struct NewtonOptions {
   /// Linear solves a step, at most, >= 1. One: the force is linearised once (Müller & Gross 2004), which is enough for
-  /// most scenes, keeps free spin, and costs no search. More: Newton's method with a line search on the incremental
+  /// most scenes, and costs no search. More: Newton's method with a line search on the incremental
   /// energy, until `tolerance`.
   int iterations = 1;
   /// Stop when the error of the new velocity is `tolerance` times the change of velocity in the step, both in the
@@ -15,6 +15,9 @@ struct NewtonOptions {
   /// from the last correction. The linear solver's tolerance bounds what one iteration can gain.
   double tolerance = 1e-3;
   Tangent tangent = Tangent::stretch_stable;
+  /// Whether a body without pins keeps its angular momentum exactly, see AngularMomentum. If not, as far as the
+  /// integrator does.
+  bool keeps_angular_momentum = true;
 };
 
 }  // namespace corotet
