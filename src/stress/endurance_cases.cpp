@@ -93,7 +93,7 @@ Verdict rest(const Configuration& configuration, int steps) {
 
 /// One end is led around: turned twice to and fro, and sheared by half the length. Then it is held at rest again.
 Verdict lead(const Configuration& configuration, int steps) {
-  Trial trial(configuration.settling_scene(), coarse_bar(configuration.order));
+  Trial trial(configuration.settling_scene(), twisted_bar(configuration.order));
   trial.pin(at_left_end);
   const auto right = trial.pin([](const Vec3<double>& x) { return x.x() > 1 - 1e-9; });
   for (int i = 1; i <= steps; ++i) {

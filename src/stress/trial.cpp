@@ -188,5 +188,6 @@ MeshData bar_of(const std::array<Index, 3>& cells, int order) {
 
 MeshData bar(int order) { return order == 1 ? bar_of({10, 2, 2}, 1) : bar_of({5, 1, 1}, 2); }
 MeshData coarse_bar(int order) { return bar_of({5, 1, 1}, order); }
+MeshData twisted_bar(int order) { return bar_of({order == 1 ? 5 : 10, 1, 1}, order); }
 
 }  // namespace corotet::program::stress

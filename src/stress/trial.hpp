@@ -77,6 +77,8 @@ class Trial {
 [[nodiscard]] MeshData bar(int order);
 /// The same of 25 Tet4 or Tet10, for a great many steps.
 [[nodiscard]] MeshData coarse_bar(int order);
+/// The same for two turns of its end: of 50 Tet10, which an edge that turns by more than a right angle folds.
+[[nodiscard]] MeshData twisted_bar(int order);
 
 [[nodiscard]] inline bool at_left_end(const Vec3<double>& x) { return x.x() < 1e-9; }
 

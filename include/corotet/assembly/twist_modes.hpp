@@ -20,8 +20,8 @@ enum class Tangent : std::uint8_t {
   /// The warped stiffness R K_e R^T (Müller & Gross 2004): semi-definite, keeps the spin of a free body. One solve a
   /// step buzzes for ever in a body that is held stretched to about three times its length.
   plain,
-  /// Adds to each twist mode what its stiffness exceeds mu/2 by: nothing in ordinary scenes, and rest for a body that
-  /// is held stretched.
+  /// Adds to each twist mode what its stiffness exceeds mu/2 by (mu/4 where the force is linearised ahead, as by Bdf2):
+  /// nothing in ordinary scenes, and rest for a body that is held stretched.
   stretch_stable,
   /// Adds all of each twist mode: the Hessian of the energy, with which Newton's iteration converges quadratically.
   /// Where that makes a step's matrix indefinite, the step goes on with the modes' positive parts alone, each point's
@@ -64,6 +64,9 @@ class TwistModes {
   [[nodiscard]] bool projects() const { return projects_; }
   void project(bool on) { projects_ = on || tangent_ == Tangent::stretch_stable; }
 
+  /// What stretch_stable leaves of each mode at most, over mu, 0 ... 1 (1/2).
+  void leave(double most) { most_left_ = static_cast<Scalar>(most); }
+
   [[nodiscard]] COROTET_ALWAYS_INLINE bool wanted() const { return tangent_ != Tangent::plain; }
 
   /// Sets the modes of a batch at quadrature point q, from the strain sym(R^T F) - I, the pressure over mu, and R.
@@ -94,12 +97,13 @@ class TwistModes {
  private:
   using L = Lanes<Scalar>;
 
-  /// True if no twist mode of the batch exceeds mu/2. A bound: s_i + s_j <= 2 + 2/3 tr(e) + sqrt(2/3) |dev e|.
-  [[nodiscard]] COROTET_ALWAYS_INLINE static bool is_quiet(const SymmetricLanes& e, const L& pressure) {
+  /// True if no twist mode of the batch exceeds what is left of it. A bound: s_i + s_j <= 2 + 2/3 tr(e) + sqrt(2/3) |dev e|.
+  [[nodiscard]] COROTET_ALWAYS_INLINE bool is_quiet(const SymmetricLanes& e, const L& pressure) const {
     constexpr auto third = Scalar(1.0 / 3);
     const L trace = e[0] + e[1] + e[2];
     const L norm2 = e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + L(2) * (e[3] * e[3] + e[4] * e[4] + e[5] * e[5]);
-    const L room = L(2 * third) * (L(1) - L(2) * pressure - trace);
+    const Scalar share = 2 / (2 - most_left_);
+    const L room = L(share) * (L(2) - pressure) - L(2) - L(2 * third) * trace;
     const L quiet = select(room > L(0), room * room, L(0)) - L(2 * third) * (norm2 - L(third) * trace * trace);
     return !(quiet < L(0)).any();
   }
@@ -146,8 +150,8 @@ class TwistModes {
     diagonalise(e, n);
     const L trace = strain[0] + strain[1] + strain[2];
     const L least = L(Scalar(1e-3)) * (L(1) + abs(trace + L(3)));  // of s_i + s_j, which an inversion may make zero
-    // Exact: all of each mode, or what is positive of it; else what exceeds mu/2.
-    const L threshold = L(Scalar(tangent_ == Tangent::exact ? 0 : 0.5));
+    // Exact: all of each mode, or what is positive of it; else what exceeds the threshold.
+    const L threshold = L(tangent_ == Tangent::exact ? Scalar(0) : most_left_);
     const L lowest = L(projects_ ? Scalar(0) : std::numeric_limits<Scalar>::lowest());
     SymmetricLanes h;
     h.fill(L(0));
@@ -170,6 +174,7 @@ class TwistModes {
   }
 
   Tangent tangent_ = Tangent::plain;
+  Scalar most_left_ = Scalar(0.5);
   bool projects_ = false;
   std::size_t batches_ = 0;
   std::vector<std::uint8_t> active_;          // [point][batch]
