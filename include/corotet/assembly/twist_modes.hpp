@@ -97,15 +97,15 @@ class TwistModes {
  private:
   using L = Lanes<Scalar>;
 
-  /// True if no twist mode of the batch exceeds what is left of it. A bound: s_i + s_j <= 2 + 2/3 tr(e) + sqrt(2/3) |dev e|.
+  /// True if no twist mode of the batch exceeds what is left of it: where s_i + s_j <= (4 - 2 p) / (2 - left), so where
+  /// the strain, shifted, has no negative eigenvalue, so where none of its three invariants is negative.
   [[nodiscard]] COROTET_ALWAYS_INLINE bool is_quiet(const SymmetricLanes& e, const L& pressure) const {
-    constexpr auto third = Scalar(1.0 / 3);
-    const L trace = e[0] + e[1] + e[2];
-    const L norm2 = e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + L(2) * (e[3] * e[3] + e[4] * e[4] + e[5] * e[5]);
-    const Scalar share = 2 / (2 - most_left_);
-    const L room = L(share) * (L(2) - pressure) - L(2) - L(2 * third) * trace;
-    const L quiet = select(room > L(0), room * room, L(0)) - L(2 * third) * (norm2 - L(third) * trace * trace);
-    return !(quiet < L(0)).any();
+    const L shift = L(2 / (2 - most_left_)) * (L(2) - pressure) - L(2) - (e[0] + e[1] + e[2]);
+    const L x = e[0] + shift, y = e[1] + shift, z = e[2] + shift;
+    const L minor_x = y * z - e[3] * e[3], minor_y = z * x - e[4] * e[4], minor_z = x * y - e[5] * e[5];
+    const L determinant = x * minor_x - e[5] * (e[5] * z - e[3] * e[4]) + e[4] * (e[5] * e[3] - y * e[4]);
+    const L least = min(x + y + z, min(minor_x + minor_y + minor_z, determinant));
+    return !(least < L(0)).any();
   }
 
   /// The eigenvectors (columns of v) of a symmetric matrix, whose diagonal becomes the eigenvalues: cyclic Jacobi
