@@ -137,7 +137,7 @@ TEST(Tangents, AreTheHessianAndWhatTheyLeaveOutIsKnown) {
 
 /// Something is computed where a mode exceeds what stretch_stable leaves, and only there.
 class StretchStable : public ::testing::TestWithParam<double> {};
-INSTANTIATE_TEST_SUITE_P(Left, StretchStable, ::testing::Values(0.5, 0.25));
+INSTANTIATE_TEST_SUITE_P(Left, StretchStable, ::testing::Values(0.5, 0.4));
 TEST_P(StretchStable, IsActiveWhereItMustBe) {
   const auto is_active = [](const Vec3<double>& s) {
     const OneElement<Tet4> element(s.asDiagonal(), 0, 1);
