@@ -54,14 +54,17 @@ Verdict spin_long(const Configuration& configuration, int steps) {
   const double at_first = trial.energy(), momentum = trial.angular_momentum().norm();
   EnergyWatch energy, later;
   energy.see(at_first);
+  double highest = at_first;
   trial.run(steps, [&] {
     energy.see(trial.energy());
+    highest = std::max(highest, trial.energy());
     if (trial.ledger().steps > 100) later.see(trial.energy());
     return false;
   });
   Verdict verdict;
   trial.report_to(verdict);
   verdict.at_most("rise of the energy", energy.rise() / at_first, 1e-3);
+  verdict.note("above that at the start", highest / at_first - 1);
   verdict.note("after 100 steps", later.rise() / at_first);
   verdict.note("angular momentum kept", trial.angular_momentum().norm() / momentum);
   return verdict;
