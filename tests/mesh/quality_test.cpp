@@ -16,7 +16,7 @@ ElementQuality measure(const Corners& x) { return measure_element<Tet4>(x); }
 const Corners regular{Vec3<double>(1, 1, 1), {-1, 1, -1}, {1, -1, -1}, {-1, -1, 1}};
 const Corners bcc{Vec3<double>(0, 0, 0), {2, 0, 0}, {1, 1, 1}, {1, -1, 1}};
 const Corners kuhn{Vec3<double>(0, 0, 0), {1, 0, 0}, {1, 1, 0}, {1, 1, 1}};
-const Corners corner{Vec3<double>(0, 0, 0), {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+const Corners right_angled{Vec3<double>(0, 0, 0), {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
 /// Equilateral triangle of edge 1 with a corner at `height` over its centre.
 Corners spire(double height) {
@@ -66,7 +66,7 @@ TEST(ElementQualityTest, LatticeTetrahedra) {
   EXPECT_NEAR(k.edge_ratio, std::sqrt(3), 1e-14);
   expect_angles(k, {45, 45, 60, 90, 90, 90});
 
-  const ElementQuality c = measure(corner);
+  const ElementQuality c = measure(right_angled);
   EXPECT_NEAR(c.volume, 1.0 / 6, 1e-15);
   EXPECT_NEAR(c.shape, shape_of(1.0 / 6, 1.5), 1e-14);
   EXPECT_NEAR(c.radius_ratio, 3 * (0.5 / (1.5 + std::sqrt(3) / 2)) / (std::sqrt(3) / 2), 1e-14);
@@ -205,7 +205,7 @@ TEST(ElementQualityTest, CurvatureByItsClosedForm) {
   // Node 4 of the reference tetrahedron moved by d along y: y = xi2 + 4 d xi1 (1 - xi1 - xi2 - xi3), so that
   // det J = 1 - 4 d xi1 and the volume is (1 - d)/6.
   for (const double d : {0.1, 0.2, -0.15, 0.5}) {
-    std::array<Vec3<double>, 10> x = straight_tet10(corner);
+    std::array<Vec3<double>, 10> x = straight_tet10(right_angled);
     x[4][1] += d;
     double least = std::numeric_limits<double>::infinity();
     for (const auto& point : Tet10::mass_points) least = std::min(least, 1 - 4 * d * point.xi[0]);
@@ -213,7 +213,7 @@ TEST(ElementQualityTest, CurvatureByItsClosedForm) {
     const ElementQuality q = measure_element<Tet10>(x);
     EXPECT_NEAR(q.volume, (1 - d) / 6, 1e-15);
     EXPECT_NEAR(q.jacobian_ratio, least / (1 - d), 1e-14);
-    EXPECT_NEAR(q.shape, measure(corner).shape, 1e-15);
+    EXPECT_NEAR(q.shape, measure(right_angled).shape, 1e-15);
     EXPECT_EQ(classify(q), d == 0.5 ? ElementDefect::curved : ElementDefect::none);
   }
 }
