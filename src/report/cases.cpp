@@ -174,7 +174,10 @@ std::vector<Study> default_studies(bool quick) {
                              free_spin(),
                              block()};
   if (quick)
-    for (Study& study : studies) keep_coarser(study);
+    for (Study& study : studies) {
+      keep_coarser(study);
+      if (study.dts.size() > 3) study.dts.resize(3);  // the shortest costs most, and its half is the reference's
+    }
   return studies;
 }
 
