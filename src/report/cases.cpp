@@ -174,10 +174,7 @@ std::vector<Study> default_studies(bool quick) {
                              free_spin(),
                              block()};
   if (quick)
-    for (Study& study : studies) {
-      keep_coarser(study);
-      if (study.dts.size() > 3) study.dts.resize(3);  // the shortest costs most, and its half is the reference's
-    }
+    for (Study& study : studies) keep_coarser(study);
   return studies;
 }
 
