@@ -105,7 +105,7 @@ std::string format_summary(const Scene& scene, const RunInput& input, const RunF
   summary["rotation_site"] = scene.rotation_site == RotationSite::point ? "point" : "element";
   summary["dilatation"] = scene.dilatation == Dilatation::mean ? "mean" : "per_element";
   summary["mass"] = scene.mass == MassModel::lumped ? "lumped" : "consistent";
-  summary["integrator"] = {{"name", scene.integrator == IntegratorKind::bdf2 ? "bdf2" : "implicit_euler"},
+  summary["integrator"] = {{"name", name_of(scene.integrator)},
                            {"dt", scene.dt},
                            {"newton", scene.newton.iterations},
                            {"newton_tolerance", scene.newton.tolerance},

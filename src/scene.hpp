@@ -19,6 +19,11 @@ enum class RotationKind { identity, gram_schmidt, polar };
 enum class RotationSite { point, element };
 enum class IntegratorKind { implicit_euler, bdf2 };
 
+/// As in a scene file.
+[[nodiscard]] constexpr const char* name_of(IntegratorKind integrator) {
+  return integrator == IntegratorKind::bdf2 ? "bdf2" : "implicit_euler";
+}
+
 /// A displacement at a time; linear in between.
 struct PathPoint {
   double time;                ///< s

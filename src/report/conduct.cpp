@@ -120,7 +120,7 @@ StudyReport conduct(const Study& study, ThreadPool& threads, Allowance& allowanc
     if (!told || !row.run.ok() || report.budgets.size() >= most_budgets || references.estimate(c) > allowance.left())
       continue;
     std::string label = mesh_name(report, c);
-    if (c.scene.integrator != study.scene.integrator) label += ", bdf2";
+    if (c.scene.integrator != study.scene.integrator) label += fmt::format(", {}", name_of(c.scene.integrator));
     if (c.scene.dt != study.scene.dt) label += fmt::format(", dt {:.3g} s", c.scene.dt);
     if (row.role != "grid") {
       for (const Setting& setting : settings())

@@ -29,10 +29,7 @@ const std::vector<Setting>& settings() {
       {"mass", [](const C& c) -> std::string { return c.scene.mass == MassModel::lumped ? "lumped" : "consistent"; }},
       {"dilatation",
        [](const C& c) -> std::string { return c.scene.dilatation == Dilatation::mean ? "mean" : "per_element"; }},
-      {"integrator",
-       [](const C& c) -> std::string {
-         return c.scene.integrator == IntegratorKind::bdf2 ? "bdf2" : "implicit_euler";
-       }},
+      {"integrator", [](const C& c) -> std::string { return name_of(c.scene.integrator); }},
       {"newton", [](const C& c) { return fmt::format("{}", c.scene.newton.iterations); }},
       {"newton_tolerance", [](const C& c) { return fmt::format("{:.3g}", c.scene.newton.tolerance); }},
       {"tangent", [](const C& c) { return std::string(corotet::name_of(c.scene.newton.tangent)); }},

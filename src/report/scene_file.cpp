@@ -31,7 +31,7 @@ std::string format_scene(const fs::path& original, const Configuration& configur
   json["order"] = configuration.order;
   json["scalar"] = scene.scalar == ScalarKind::single_precision ? "float" : "double";
   json["mass"] = scene.mass == MassModel::lumped ? "lumped" : "consistent";
-  json["integrator"]["name"] = scene.integrator == IntegratorKind::bdf2 ? "bdf2" : "implicit_euler";
+  json["integrator"]["name"] = name_of(scene.integrator);
   json["integrator"]["dt"] = scene.dt;
   json["solver"]["preconditioner"] = std::string(corotet::name_of(scene.solver.preconditioner));
   json["solver"]["tolerance"] = scene.solver.tolerance;

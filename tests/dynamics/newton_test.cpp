@@ -165,22 +165,12 @@ template <class Integrator, class Body>
 double spin_kept(Body body, const NewtonOptions& newton) {
   using Scalar = typename Body::scalar_type;
   const double turn = 0.1, h = 1.0 / 60;
-  Field<Scalar> spin;
-  for (const auto& x : body.mesh().positions())
-    spin.push_back((turn / h * Vec3<double>::UnitZ().cross(x.template cast<double>())).template cast<Scalar>());
-  must(body.set_velocities(spin));
-  const auto momentum = [&] {
-    double sum = 0;
-    for (Index v = 0; v < body.vertex_count(); ++v)
-      sum += double(body.mass().row_sum(v)) *
-             body.position(v).template cast<double>().cross(body.velocities()[at(v)].template cast<double>()).z();
-    return sum;
-  };
-  const double start = momentum();
+  must(body.set_velocities(testing::spin_of(body.mesh(), {0, 0, turn / h})));
+  const double start = testing::angular_momentum(body).z();
   Integrator integrator(body, testing::solver({.tolerance = 1e-5}), newton);
   for (int step = 0; step < int(10 * 2 * std::numbers::pi / turn); ++step)
     EXPECT_TRUE(integrator.step(body, Scalar(h)).accepted());
-  return momentum() / start;
+  return testing::angular_momentum(body).z() / start;
 }
 
 /// With the options with which stretched bars come to rest, spin is kept, too.
@@ -236,19 +226,10 @@ TYPED_TEST(NewtonSteps, AngularMomentumIsWhatForcesAndDampingMakeIt) {
       body.external_forces()[at(a)] = {0, 0, Scalar(30)};
       body.external_forces()[at(b)] = {0, 0, Scalar(-30)};
 
-      const auto momentum = [&] {
-        Vec3<double> centre = Vec3<double>::Zero(), sum = Vec3<double>::Zero();
-        for (Index v = 0; v < body.vertex_count(); ++v)
-          centre += double(body.mass().row_sum(v)) * body.position(v).template cast<double>() / body.mass().total();
-        for (Index v = 0; v < body.vertex_count(); ++v)
-          sum += (body.position(v).template cast<double>() - centre)
-                     .cross(body.mass().row_product(*body.pattern(), v, body.velocities()).template cast<double>());
-        return sum;
-      };
       const auto arm = [&](Index v) {
         return (body.position(v) + Scalar(h / 2) * body.velocities()[at(v)]).template cast<double>().eval();
       };
-      const Vec3<double> start = momentum();
+      const Vec3<double> start = testing::angular_momentum(body);
       Vec3<double> expected = start;
       ImplicitEuler euler(body, testing::solver({.tolerance = 1e-2}),
                           NewtonOptions{.iterations = iterations, .tangent = Tangent::exact});
@@ -258,7 +239,8 @@ TYPED_TEST(NewtonSteps, AngularMomentumIsWhatForcesAndDampingMakeIt) {
         expected = decay * expected + h * std::sqrt(decay) * torque;
         ASSERT_TRUE(euler.step(body, Scalar(h)).accepted());
       }
-      EXPECT_LT((momentum() - expected).norm(), rounding * start.norm()) << "Newton " << iterations;
+      EXPECT_LT((testing::angular_momentum(body) - expected).norm(), rounding * start.norm())
+          << "Newton " << iterations;
       EXPECT_GT((expected - start).norm(), 0.05 * start.norm()) << "the case must tell";
     }
 }

@@ -86,4 +86,26 @@ Field<Scalar> random_field(Index vertices, double size, unsigned seed) {
   return field;
 }
 
+/// Velocities of a rigid rotation about the origin, omega in rad/s.
+template <class Mesh>
+auto spin_of(const Mesh& mesh, const Vec3<double>& omega) {
+  using Scalar = typename Mesh::scalar_type;
+  Field<Scalar> v;
+  for (const auto& x : mesh.positions()) v.push_back(omega.cross(x.template cast<double>()).template cast<Scalar>());
+  return v;
+}
+
+/// About the centre of mass, kg m^2/s.
+template <class Body>
+Vec3<double> angular_momentum(const Body& body) {
+  const auto position = [&](Index v) { return body.position(v).template cast<double>().eval(); };
+  Vec3<double> centre = Vec3<double>::Zero(), sum = Vec3<double>::Zero();
+  for (Index v = 0; v < body.vertex_count(); ++v)
+    centre += double(body.mass().row_sum(v)) * position(v) / body.mass().total();
+  for (Index v = 0; v < body.vertex_count(); ++v)
+    sum += (position(v) - centre)
+               .cross(body.mass().row_product(*body.pattern(), v, body.velocities()).template cast<double>());
+  return sum;
+}
+
 }  // namespace corotet::testing

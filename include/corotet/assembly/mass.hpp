@@ -9,6 +9,7 @@
 #include <corotet/element/reference_element.hpp>
 #include <corotet/material/material.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
+#include <type_traits>
 #include <vector>
 
 namespace corotet {
@@ -71,20 +72,18 @@ class Mass {
 
   /// (M x) of one vertex.
   [[nodiscard]] Vec3<Scalar> row_product(const BlockPattern& pattern, Index row, const Field<Scalar>& x) const {
-    Vec3<Scalar> sum = row_sum_[at(row)] * x[at(row)];
-    if (model_ == MassModel::lumped) return sum;
-    for (Index k = pattern.row_start[at(row)]; k < pattern.row_start[at(row) + 1]; ++k)
-      sum += factor_[at(k)] * (x[at(pattern.column[at(k)])] - x[at(row)]);
-    return sum;
+    return row_product(pattern, row, [&x](Index j) -> const Vec3<Scalar>& { return x[at(j)]; });
   }
-  /// The same in double, of x(j) for each vertex j.
+  /// The same of x(j) for each vertex j, in its numbers.
   template <std::regular_invocable<Index> X>
-  [[nodiscard]] Vec3<double> row_product(const BlockPattern& pattern, Index row, const X& x) const {
-    const Vec3<double> here = x(row);
-    Vec3<double> sum = static_cast<double>(row_sum_[at(row)]) * here;
+  [[nodiscard]] auto row_product(const BlockPattern& pattern, Index row, const X& x) const {
+    using Vector = std::remove_cvref_t<std::invoke_result_t<const X&, Index>>;
+    using Number = typename Vector::Scalar;
+    const Vector here = x(row);
+    Vector sum = static_cast<Number>(row_sum_[at(row)]) * here;
     if (model_ == MassModel::lumped) return sum;
     for (Index k = pattern.row_start[at(row)]; k < pattern.row_start[at(row) + 1]; ++k)
-      sum += static_cast<double>(factor_[at(k)]) * (x(pattern.column[at(k)]) - here);
+      sum += static_cast<Number>(factor_[at(k)]) * (x(pattern.column[at(k)]) - here);
     return sum;
   }
 

@@ -20,9 +20,8 @@ enum class Tangent : std::uint8_t {
   /// The warped stiffness R K_e R^T (Müller & Gross 2004): semi-definite, keeps the spin of a free body. One solve a
   /// step buzzes for ever in a body that is held stretched to about three times its length.
   plain,
-  /// Adds to each twist mode what its stiffness exceeds mu/2 by (0.4 mu where the force is linearised ahead, as by
-  /// Bdf2):
-  /// nothing in ordinary scenes, and rest for a body that is held stretched.
+  /// Adds to each twist mode what its stiffness exceeds mu/2 by, with Bdf2 and Newton's method 0.4 mu: nothing in
+  /// ordinary scenes, and rest for a body that is held stretched.
   stretch_stable,
   /// Adds all of each twist mode: the Hessian of the energy, with which Newton's iteration converges quadratically.
   /// Where that makes a step's matrix indefinite, the step goes on with the modes' positive parts alone, each point's

@@ -78,8 +78,8 @@ class AdaptiveStep {
       report = go_through(body, h, parts, last, executor, observer);
       tried += report.steps_tried;
       report.steps_tried = tried;
-      const bool kept = report.accepted() && (report.distrust == Distrust::none || last);
-      if (kept && (report.distrust == Distrust::none || options_.otherwise != Untrusted::refuse)) {
+      const bool good_enough = report.distrust == Distrust::none || (last && options_.otherwise != Untrusted::refuse);
+      if (report.accepted() && good_enough) {
         motion_ = body.motion_revision();
         known_ = true;
         before_ = report;

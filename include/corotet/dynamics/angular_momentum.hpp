@@ -1,10 +1,10 @@
 // A body that nothing holds keeps its angular momentum.
 #pragma once
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
+#include <corotet/rotation/polar_robust.hpp>
 #include <corotet/solve/range_sum.hpp>
 #include <limits>
 #include <span>
@@ -86,13 +86,16 @@ class AngularMomentum {
   /// w of the angular momentum (tr(S) - S) w, rad/s, where S are the second moments, kg m^2. None about an axis on
   /// which all mass lies.
   [[nodiscard]] static Vec3<Scalar> angular_velocity(const Mat3<double>& second, const Vec3<double>& momentum) {
-    const Mat3<double> inertia = second.trace() * Mat3<double>::Identity() - (second + second.transpose()) / 2;
-    Eigen::SelfAdjointEigenSolver<Mat3<double>> axes;
-    axes.computeDirect(inertia);
-    const double least = std::numeric_limits<Scalar>::epsilon() * axes.eigenvalues().maxCoeff();
-    Vec3<double> along = axes.eigenvectors().transpose() * momentum;
-    for (int k = 0; k < 3; ++k) along[k] = axes.eigenvalues()[k] > least ? along[k] / axes.eigenvalues()[k] : 0;
-    const Vec3<Scalar> w = (axes.eigenvectors() * along).template cast<Scalar>();
+    Eigen::Matrix4d inertia = Eigen::Matrix4d::Zero();  // the fourth axis has none
+    inertia.topLeftCorner<3, 3>() = second.trace() * Mat3<double>::Identity() - (second + second.transpose()) / 2;
+    const Eigen::Matrix4d axes = detail::diagonalise<double>(inertia);
+    const double least = std::numeric_limits<Scalar>::epsilon() * inertia.diagonal().maxCoeff();
+    Vec3<double> turn = Vec3<double>::Zero();
+    for (int k = 0; k < 4; ++k) {
+      const Vec3<double> axis = axes.col(k).head<3>();
+      if (inertia(k, k) > least) turn += axis.dot(momentum) / inertia(k, k) * axis;
+    }
+    const Vec3<Scalar> w = turn.template cast<Scalar>();
     return w.allFinite() ? w : Vec3<Scalar>::Zero().eval();
   }
 

@@ -7,8 +7,8 @@ namespace corotet {
 
 struct NewtonOptions {
   /// Linear solves a step, at most, >= 1. One: the force is linearised once (Müller & Gross 2004), which is enough for
-  /// most scenes, and costs no search. More: Newton's method with a line search on the incremental
-  /// energy, until `tolerance`.
+  /// most scenes, and costs no search. More: Newton's method with a line search on the incremental energy, until
+  /// `tolerance`.
   int iterations = 1;
   /// Stop when the error of the new velocity is `tolerance` times the change of velocity in the step, both in the
   /// energy norm of the step's matrix, 0 < tolerance < 1; or when rounding hides what is left. The error is estimated

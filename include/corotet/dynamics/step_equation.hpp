@@ -43,7 +43,7 @@ class StepEquation {
         sums_(body.vertex_count()),
         momentum_(body.vertex_count()) {
     if (body.damping().stiffness > 0 && linearised_often) damping_.emplace(body.pattern());
-    if (linearised_often) evaluation_.twist.leave(0.4);
+    if (linearised_often) evaluation_.twist.leave(0.4);  // what a bar at three times its length needs with Bdf2
   }
 
   [[nodiscard]] const BlockMatrix<Scalar>& matrix() const { return matrix_; }
