@@ -20,8 +20,8 @@ enum class Tangent : std::uint8_t {
   /// The warped stiffness R K_e R^T (Müller & Gross 2004): semi-definite, keeps the spin of a free body. One solve a
   /// step buzzes for ever in a body that is held stretched to about three times its length.
   plain,
-  /// Adds to each twist mode what its stiffness exceeds mu/2 by, with Bdf2 and Newton's method 0.4 mu: nothing in
-  /// ordinary scenes, and rest for a body that is held stretched.
+  /// Adds to each twist mode what its stiffness exceeds mu/2 by, or less in steps that are longer than sound takes
+  /// through the body's thickness: nothing in ordinary scenes, and rest for a body that is held stretched or hangs.
   stretch_stable,
   /// Adds all of each twist mode: the Hessian of the energy, with which Newton's iteration converges quadratically.
   /// Where that makes a step's matrix indefinite, the step goes on with the modes' positive parts alone, each point's
@@ -64,8 +64,9 @@ class TwistModes {
   [[nodiscard]] bool projects() const { return projects_; }
   void project(bool on) { projects_ = on || tangent_ == Tangent::stretch_stable; }
 
-  /// What stretch_stable leaves of each mode at most, over mu, 0 ... 1 (1/2).
+  /// What stretch_stable leaves of each mode at most, over mu, 0 ... 1 (1/2): from the next evaluation on.
   void leave(double most) { most_left_ = static_cast<Scalar>(most); }
+  [[nodiscard]] Scalar left() const { return most_left_; }
 
   [[nodiscard]] COROTET_ALWAYS_INLINE bool wanted() const { return tangent_ != Tangent::plain; }
 

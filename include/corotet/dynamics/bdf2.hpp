@@ -1,6 +1,8 @@
 // The backward differentiation formula of second order.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/implicit_step.hpp>
@@ -9,6 +11,7 @@
 #include <corotet/dynamics/step_phase.hpp>
 #include <corotet/dynamics/step_report.hpp>
 #include <corotet/solve/auto_solver.hpp>
+#include <corotet/solve/range_sum.hpp>
 #include <corotet/solve/solver.hpp>
 #include <cstdint>
 #include <utility>
@@ -21,10 +24,14 @@ namespace corotet {
 /// much faster than a step are damped within a few steps, as by backward Euler (L-stable), slow ones hardly.
 ///
 /// The force is linearised where the body would be after the step at its present velocity, and pins at their targets:
-/// with one solve a step the error stays O(h^2) although the warped stiffness is not the exact tangent.
+/// with one solve a step the error stays O(h^2) although the warped stiffness is not the exact tangent. Less far ahead
+/// where motion is not smooth, for only near that line is the formula stable with another tangent than the exact: see
+/// `lead`.
 ///
 /// A step that does not continue the last one is of backward Euler: the first, one after the caller set displacements
-/// or velocities, and one that is more than twice as long as the step before (zero-stability ends at 1 + sqrt 2).
+/// or velocities, one that is more than twice as long as the step before (zero-stability ends at 1 + sqrt 2), and those
+/// that start with inverted elements, whose rotations jump: a second derivative in time means nothing there, and
+/// backward Euler brings nearly incompressible ones home.
 template <class Body, class Solver = AutoSolver<typename Body::scalar_type>>
   requires LinearSolver<Solver, typename Body::scalar_type>
 class Bdf2 {
@@ -34,6 +41,7 @@ class Bdf2 {
   /// Symbolic work and memory for `body` and its copies.
   explicit Bdf2(const Body& body, Solver solver = Solver(), const NewtonOptions& newton = {})
       : implicit_(body, std::move(solver), newton, true),
+        sums_(body.vertex_count()),
         last_position_(at(body.vertex_count()), Vec3<Scalar>::Zero()),
         last_velocity_(last_position_),
         position_(last_position_),
@@ -51,20 +59,20 @@ class Bdf2 {
     StepReport report = implicit_.check(body, h);
     if (!report.accepted()) return report;
     if (continues(body, h)) {
-      const Scalar w = h / last_h_, lead = w * w / (1 + 2 * w);
-      flat(position_) = flat(body.displacements()) + lead * (flat(body.displacements()) - flat(last_position_));
-      flat(velocity_) = flat(body.velocities()) + lead * (flat(body.velocities()) - flat(last_velocity_));
+      const Scalar w = h / last_h_;
+      const Scalar ahead = extrapolate(body, h, w * w / (1 + 2 * w), executor);
       report = implicit_.advance(
-          body, {.c = h * (1 + w) / (1 + 2 * w), .position = position_, .velocity = velocity_, .ahead = h}, executor,
-          observer);
+          body, {.c = h * (1 + w) / (1 + 2 * w), .position = position_, .velocity = velocity_, .h = h, .ahead = ahead},
+          executor, observer);
     } else {
-      report = implicit_.advance(body, {.c = h, .position = body.displacements(), .velocity = body.velocities()},
-                                 executor, observer);
+      report = implicit_.advance(
+          body, {.c = h, .position = body.displacements(), .velocity = body.velocities(), .h = h, .ahead = {}},
+          executor, observer);
     }
     if (!report.accepted()) return report;
     implicit_.swap_previous_state(last_position_, last_velocity_);
     last_h_ = h;
-    motion_ = body.motion_revision();
+    motion_ = report.inverted_elements == 0 ? body.motion_revision() : 0;
     return report;
   }
   StepReport step(Body& body, Scalar h) {
@@ -77,11 +85,45 @@ class Bdf2 {
     return motion_ == body.motion_revision() && h <= 2 * last_h_;
   }
 
+  /// Sets xbar and vbar. Returns how far ahead the force is to be linearised, 0 ... h s: all of it as long as the
+  /// present velocity and the mean one of the last step differ by less than half of that, about their mean over the
+  /// body; nothing once they differ by more than that. Near rest, with h times a frequency of the body above 1, they
+  /// do, and the extrapolation would be unstable wherever the stiffness is more than 6/5 of the tangent's: z^3 = g (5/2
+  /// z^2 - 2 z + 1/2) for a step's factor z has |z| < 1 for g > -1/5 only, where g = 1 - stiffness / tangent.
+  template <Executor E>
+  [[nodiscard]] Scalar extrapolate(const Body& body, Scalar h, Scalar lead, E& executor) {
+    const auto sums = sums_(executor, [&](Index begin, Index end) {
+      RangeSums<8>::Sums part{};
+      for (Index i = begin; i < end; ++i) {
+        const Vec3<Scalar>&x = body.displacements()[at(i)], &v = body.velocities()[at(i)];
+        const Vec3<Scalar> moved = x - last_position_[at(i)];
+        position_[at(i)] = x + lead * moved;
+        velocity_[at(i)] = v + lead * (v - last_velocity_[at(i)]);
+        const Vec3<Scalar> mean = moved / last_h_;
+        const Vec3<double> before = mean.template cast<double>(), change = (v - mean).template cast<double>();
+        part[0] += before.squaredNorm();
+        part[1] += change.squaredNorm();
+        for (int k = 0; k < 3; ++k) {
+          part[at(2 + k)] += before[k];
+          part[at(5 + k)] += change[k];
+        }
+      }
+      return part;
+    });
+    const auto spread = [&](std::size_t square, std::size_t first) {  // about the mean
+      const Eigen::Map<const Vec3<double>> sum(&sums[first]);
+      return std::sqrt(std::max(0.0, sums[square] - sum.squaredNorm() / body.vertex_count()));
+    };
+    const double before = spread(0, 2), change = spread(1, 5);
+    return h * static_cast<Scalar>(before > 0 ? std::clamp(2 - 2 * change / before, 0.0, 1.0) : 0.0);
+  }
+
   ImplicitStep<Body, Solver> implicit_;
+  RangeSums<8> sums_;
   Field<Scalar> last_position_, last_velocity_;  // before the last step
   Field<Scalar> position_, velocity_;            // xbar, vbar
   Scalar last_h_ = 0;
-  std::uint64_t motion_ = 0;  // of the state after the last step; no body has 0
+  std::uint64_t motion_ = 0;  // of the state after the last step, if it can be continued; no body has 0
 };
 
 }  // namespace corotet

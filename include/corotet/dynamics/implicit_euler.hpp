@@ -40,8 +40,9 @@ class ImplicitEuler {
   StepReport step(Body& body, Scalar h, E& executor, O&& observer = O()) {
     const StepReport checked = implicit_.check(body, h);
     if (!checked.accepted()) return checked;
-    return implicit_.advance(body, {.c = h, .position = body.displacements(), .velocity = body.velocities()}, executor,
-                             observer);
+    return implicit_.advance(
+        body, {.c = h, .position = body.displacements(), .velocity = body.velocities(), .h = h, .ahead = {}}, executor,
+        observer);
   }
   StepReport step(Body& body, Scalar h) {
     SerialExecutor serial;

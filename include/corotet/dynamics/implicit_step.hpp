@@ -66,6 +66,7 @@ class ImplicitStep {
     StepReport report;
     observer(StepPhase::assembly);
     equation_.project_twist(false);
+    equation_.prepare(body, formula.c);
     start(body, formula, executor);
     const bool newton = options_.iterations > 1;
     bool projected = false;
@@ -156,7 +157,7 @@ class ImplicitStep {
   /// vbar with the pins' velocities put in, or where the force is linearised ahead, that state's.
   template <Executor E>
   void start(const Body& body, const StepFormula<Scalar>& formula, E& executor) {
-    if (formula.ahead == 0) {
+    if (!formula.ahead) {
       for_ranges(executor, body.vertex_count(), RangeSum::grain, [&](Index begin, Index end) {
         range_of(velocity_, begin, end) = range_of(formula.velocity, begin, end);
       });
@@ -166,7 +167,7 @@ class ImplicitStep {
     } else {
       for_ranges(executor, body.vertex_count(), RangeSum::grain, [&](Index begin, Index end) {
         const auto of = [&](auto& field) { return range_of(field, begin, end); };
-        of(displacement_) = of(body.displacements()) + formula.ahead * of(body.velocities());
+        of(displacement_) = of(body.displacements()) + *formula.ahead * of(body.velocities());
         of(velocity_) = (of(displacement_) - of(formula.position)) / formula.c;
       });
       equation_.evaluate(body, displacement_, executor);
@@ -177,7 +178,7 @@ class ImplicitStep {
   /// linear elasticity, and where the force is linearised nothing is torn.
   template <Executor E>
   void build_first_right_side(const Body& body, const StepFormula<Scalar>& formula, E& executor) {
-    if (formula.ahead == 0) return equation_.linearise_at_rest(body, formula, velocity_, executor);
+    if (!formula.ahead) return equation_.linearise_at_rest(body, formula, velocity_, executor);
     equation_.linearise_here(body, formula, velocity_, executor);
     for (std::size_t p = 0; p < body.pins().vertices().size(); ++p) {
       Vec3<Scalar>& here = velocity_[at(body.pins().vertices()[p])];
@@ -207,10 +208,9 @@ class ImplicitStep {
 
   template <Executor E>
   [[nodiscard]] bool keep_spin(const Body& body, const StepFormula<Scalar>& formula, E& executor) {
-    const Scalar h = formula.ahead == 0 ? formula.c : formula.ahead;
-    const double damping = double(h) * body.damping().mass;
-    const double decay = formula.ahead == 0 ? 1 / (1 + damping) : std::exp(-damping);  // of first, of second order
-    spin_.restore(body, formula.position, h, decay, velocity_, executor);
+    const double damping = double(formula.h) * body.damping().mass;
+    const double decay = !formula.ahead ? 1 / (1 + damping) : std::exp(-damping);  // of first, of second order
+    spin_.restore(body, formula.position, formula.h, decay, velocity_, executor);
     return move(body, formula, 0, executor);
   }
 

@@ -9,6 +9,7 @@
 #include <corotet/core/result.hpp>
 #include <corotet/core/revision.hpp>
 #include <corotet/core/types.hpp>
+#include <corotet/dynamics/crossing_time.hpp>
 #include <corotet/dynamics/pins.hpp>
 #include <corotet/material/material.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
@@ -112,9 +113,13 @@ class SoftBody {
     if (Status s = materials.template check<Scalar>(at(mesh_.element_count())); !s) return s;
     law_.set_materials(materials);
     mass_ = Mass<Scalar>(mesh_, materials, mass_.model(), *pattern_);
+    crossing_time_ = corotet::crossing_time(thickness_, materials, mesh_.element_count());
     revision_ = material_revision_ = new_revision();
     return {};
   }
+
+  /// How long sound takes through the body where it is thin, s: see thickness.
+  [[nodiscard]] double crossing_time() const { return crossing_time_; }
 
   /// Another number than that of any body with other materials or another mesh.
   [[nodiscard]] std::uint64_t material_revision() const { return material_revision_; }
@@ -144,6 +149,8 @@ class SoftBody {
             BlockPattern::of(mesh_.elements(), mesh_.vertex_count(), law_.vertex_groups()))),
         mass_(mesh_, materials, options.mass, *pattern_),
         damping_(options.damping),
+        thickness_(thickness(mesh_)),
+        crossing_time_(corotet::crossing_time(thickness_, materials, mesh_.element_count())),
         pins_(mesh_.vertex_count()),
         displacement_(at(mesh_.vertex_count()), Vec3<Scalar>::Zero()),
         velocity_(displacement_),
@@ -166,6 +173,7 @@ class SoftBody {
   std::shared_ptr<const BlockPattern> pattern_;
   Mass<Scalar> mass_;
   RayleighDamping damping_;
+  double thickness_, crossing_time_;
   Pins<Scalar> pins_;
   Field<Scalar> displacement_, velocity_, external_force_;
   Vec3<Scalar> gravity_ = Vec3<Scalar>::Zero();

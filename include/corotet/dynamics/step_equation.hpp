@@ -1,6 +1,7 @@
 // The equation of one step and its linearisation.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <corotet/assembly/add_twist.hpp>
 #include <corotet/assembly/assemble.hpp>
@@ -21,9 +22,10 @@ struct StepFormula {
   Scalar c;                       ///< s
   const Field<Scalar>& position;  ///< xbar, as displacement from rest, m
   const Field<Scalar>& velocity;  ///< vbar, m/s
-  /// Where the force is linearised first: 0: in the body's present state; otherwise where that will be in this time (s)
-  /// at its present velocity.
-  Scalar ahead = 0;
+  Scalar h;                       ///< length of the step, s
+  /// The force is linearised first where the body will be in this time (s) at its present velocity; or in its present
+  /// state, which must then be xbar.
+  std::optional<Scalar> ahead;
 };
 
 /// With the force linearised at x_k = xbar + c v_k, f_el(x) = f_el(x_k) - K (x - x_k), the new velocity of a
@@ -43,7 +45,6 @@ class StepEquation {
         sums_(body.vertex_count()),
         momentum_(body.vertex_count()) {
     if (body.damping().stiffness > 0 && linearised_often) damping_.emplace(body.pattern());
-    if (linearised_often) evaluation_.twist.leave(0.4);  // what a bar at three times its length needs with Bdf2
   }
 
   [[nodiscard]] const BlockMatrix<Scalar>& matrix() const { return matrix_; }
@@ -56,6 +57,17 @@ class StepEquation {
     const bool before = evaluation_.twist.projects();
     evaluation_.twist.project(on);
     if (evaluation_.twist.projects() != before) revision_ = 0;
+  }
+
+  /// Before a step with this c, s. A bar that is pulled straightens by the stress s, besides its stiffness in bending.
+  /// One solve a step comes to rest if what the matrix leaves out of that is less than 4 M / c^2 and the stiffness
+  /// together, for each wave length; so if s is less than sqrt(4/3 rho E) thickness / c, a twist mode of s / 2. (Hung
+  /// by its weight, s = E / 5, 20 times longer than thick, it starts to move at the step that this says: `corotet
+  /// stress hang --tangent plain`.)
+  void prepare(const Body& body, Scalar c) {
+    const Scalar before = evaluation_.twist.left();
+    evaluation_.twist.leave(std::min(0.5, body.crossing_time() / double(c)));
+    if (evaluation_.twist.left() != before) revision_ = 0;
   }
 
   /// Evaluates the body's displacement, unless that is what was evaluated last.

@@ -1,0 +1,46 @@
+// How long sound takes through a body where it is thin.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <corotet/core/types.hpp>
+#include <corotet/element/jacobian.hpp>
+#include <corotet/element/reference_element.hpp>
+#include <corotet/material/material.hpp>
+#include <corotet/mesh/tet_mesh.hpp>
+#include <limits>
+#include <vector>
+
+namespace corotet {
+
+/// 4 V / A of the rest shape, m: the side of a long square bar, twice the thickness of a plate. A is the sum of the
+/// vertices' area vectors' lengths, |sum V grad N| each: somewhat too small at edges.
+template <std::floating_point Scalar, ReferenceElement Element>
+[[nodiscard]] double thickness(const TetMesh<Scalar, Element>& mesh) {
+  Field<double> area(at(mesh.vertex_count()), Vec3<double>::Zero());
+  double volume = 0, surface = 0;
+  for (Index e = 0; e < mesh.element_count(); ++e)
+    for (const QuadraturePoint& point : Element::stiffness_points) {
+      const auto gradient = Element::gradient(point.xi);
+      const Mat3<double> to_space = jacobian(gradient, [&](std::size_t a) { return mesh.node_position(e, a); });
+      const double part = point.weight * to_space.determinant();
+      volume += part;
+      const Mat3<double> inverse = to_space.inverse();
+      for (std::size_t a = 0; a < gradient.size(); ++a)
+        area[at(mesh.element(e)[a])] += part * Eigen::Map<const Vec3<double>>(gradient[a].data()).transpose() * inverse;
+    }
+  for (const Vec3<double>& a : area) surface += a.norm();
+  return 4 * volume / surface;
+}
+
+/// `thickness` (m) over the speed sqrt(E / rho) of the fastest of the materials, s.
+[[nodiscard]] inline double crossing_time(double thickness, const Materials& materials, Index elements) {
+  double least = std::numeric_limits<double>::infinity();
+  for (Index e = 0; e < elements; ++e) {
+    const Material& m = materials.of_element(at(e));
+    least = std::min(least, m.density / m.young);
+  }
+  return thickness * std::sqrt(least);
+}
+
+}  // namespace corotet
