@@ -110,6 +110,7 @@ std::string format_summary(const Scene& scene, const RunInput& input, const RunF
                            {"newton", scene.newton.iterations},
                            {"newton_tolerance", scene.newton.tolerance},
                            {"tangent", name_of(scene.newton.tangent)},
+                           {"energy", scene.newton.bounds_energy ? "bounded" : "as_integrated"},
                            {"spin", scene.newton.keeps_angular_momentum ? "kept" : "as_integrated"},
                            {"untrusted", name_of(scene.untrusted)}};
   summary["solver"] = {{"name", facts.simulation.solver}};

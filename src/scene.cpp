@@ -107,6 +107,7 @@ void read_integrator(ObjectReader& in, Scene& scene) {
   in.number("newton_tolerance", scene.newton.tolerance, Range::between(0, 1));
   in.choice("tangent", scene.newton.tangent,
             {{"plain", Tangent::plain}, {"stretch_stable", Tangent::stretch_stable}, {"exact", Tangent::exact}});
+  in.choice("energy", scene.newton.bounds_energy, {{"bounded", true}, {"as_integrated", false}});
   in.choice("spin", scene.newton.keeps_angular_momentum, {{"kept", true}, {"as_integrated", false}});
   in.choice("untrusted", scene.untrusted,
             {{"accept", Untrusted::accept}, {"refuse", Untrusted::refuse}, {"divide", Untrusted::divide}});

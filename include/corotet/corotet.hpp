@@ -24,7 +24,6 @@
 #include <corotet/core/types.hpp>
 #include <corotet/core/version.hpp>
 #include <corotet/dynamics/adaptive_step.hpp>
-#include <corotet/dynamics/angular_momentum.hpp>
 #include <corotet/dynamics/bdf2.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <corotet/dynamics/implicit_step.hpp>
@@ -37,6 +36,7 @@
 #include <corotet/dynamics/step_phase.hpp>
 #include <corotet/dynamics/step_report.hpp>
 #include <corotet/dynamics/system_era.hpp>
+#include <corotet/dynamics/turning_frame.hpp>
 #include <corotet/element/element_batch.hpp>
 #include <corotet/element/jacobian.hpp>
 #include <corotet/element/reference_element.hpp>

@@ -118,6 +118,8 @@ Verdict lead(const Configuration& configuration, int steps) {
   trial.report_to(verdict);
   verdict.at_most("rise of the energy after the pins stop, J", energy.rise(), 1e-3);
   verdict.at_most("rms to rest", trial.rms_to_rest(), 1e-3);
+  verdict.note("inverted", trial.last().inverted_elements);
+  verdict.note("inside out at a corner", trial.folded_elements());
   return verdict;
 }
 

@@ -152,7 +152,7 @@ TYPED_TEST(NewtonSteps, AStretchedBarComesToRest) {
     const double resting = sizeof(Scalar) == 4 ? 1e-3 : 1e-6;  // m/s; float rounds positions to 1e-7 m, 1e-5 m/s
     EXPECT_LT(speed_with({}), resting) << "x" << held.stretch;
     EXPECT_LT(speed_with({.iterations = 10, .tangent = Tangent::exact}), resting) << "x" << held.stretch;
-    const double buzz = speed_with({.tangent = Tangent::plain});
+    const double buzz = speed_with({.tangent = Tangent::plain, .bounds_energy = false});
     std::printf("held at %g times its length, nu %g: speed %.1e m/s (plain tangent: %.1e)\n", held.stretch,
                 held.poisson, speed_with({}), buzz);
     plain = std::max(plain, buzz);

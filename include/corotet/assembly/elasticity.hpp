@@ -109,11 +109,8 @@ class Elasticity {
       for (std::size_t q = 0; q < points; ++q) {
         const Strain e = corotational_strain(f[q], r[q]);
         const Lanes<Scalar> trace = e.trace();
-        const Lanes<Scalar> stiffness = batch.point[q].root_stiffness * batch.point[q].root_stiffness;
-        const Lanes<Scalar> energy =
-            stiffness *
-            (e.squared_norm() + Lanes<Scalar>(Scalar(0.5)) * (batch.lame_ratio * trace + mean.tension) * trace);
-        for (int l = 0; l < lane_count<Scalar>; ++l) sum += static_cast<double>(energy[l]);
+        const Lanes<Scalar> each = energy(batch, q, e.squared_norm(), trace, batch.lame_ratio * trace + mean.tension);
+        for (int l = 0; l < lane_count<Scalar>; ++l) sum += static_cast<double>(each[l]);
         if (mean_.on() && Mean::over_patches)
           for (int l = 0; l < lane_count<Scalar>; ++l) scratch[at(b * lane_count<Scalar> + l)] = double(trace[l]);
       }
@@ -183,12 +180,16 @@ class Elasticity {
 
   /// Of the elements that each lane has held. Lanes beyond the last element are at rest.
   struct Extremes {
-    Lanes<Scalar> inverted = 0, largest_strain2 = 0, least_trace = 3;
+    Lanes<Scalar> inverted = 0, largest_strain2 = 0, least_trace = 3, largest_stress2 = 0, energy = 0;
 
     [[nodiscard]] DeformationExtremes of_all_lanes() const {
       DeformationExtremes all;
       for (int l = 0; l < lane_count<Scalar>; ++l)
-        all.merge({static_cast<Index>(inverted[l]), double(largest_strain2[l]), double(least_trace[l])});
+        all.merge({.inverted_elements = static_cast<Index>(inverted[l]),
+                   .largest_strain2 = double(largest_strain2[l]),
+                   .least_rotation_trace = double(least_trace[l]),
+                   .largest_stress2 = double(largest_stress2[l]),
+                   .energy = double(energy[l])});
       return all;
     }
   };
@@ -211,13 +212,17 @@ class Elasticity {
     for (std::size_t q = 0; q < points; ++q) {
       const Mat3Lanes<Scalar>&fq = f[q], &rq = r[q];
       const Strain e = corotational_strain(fq, rq);
-      extremes.largest_strain2 = max(extremes.largest_strain2, e.squared_norm());
+      const L squared_norm = e.squared_norm();
+      extremes.largest_strain2 = max(extremes.largest_strain2, squared_norm);
       extremes.least_trace = min(extremes.least_trace, rq(0, 0) + rq(1, 1) + rq(2, 2));
 
       const Mat3Lanes<Scalar>& inverse = batch.point[q].inverse_jacobian;
       Mat3Lanes<Scalar> stress, rotated, rotated_stress, natural_stress;
       const L theta = e.trace();
       volumetric[q] = batch.lame_ratio * theta + mean.tension;
+      extremes.largest_stress2 =  // of 2 e + p I
+          max(extremes.largest_stress2, L(4) * squared_norm + volumetric[q] * (L(4) * theta + L(3) * volumetric[q]));
+      extremes.energy += energy(batch, q, squared_norm, theta, volumetric[q]);
       scaled_stress(batch, q, e, volumetric[q], stress);
       if (has_twist_modes && out.twist.wanted()) out.twist.set(q, b, e, volumetric[q], rq);
       if (mean_.on() && Mean::over_patches) volumetric[q] = theta;  // what MeanDilatation::finish wants
@@ -263,6 +268,13 @@ class Elasticity {
         out.twist.set(0, b, corotational_strain(f[0], r[0]), volumetric, r[0]);
       }
     });
+  }
+
+  /// Of each element at a point, J: V (mu |e|^2 + mu volumetric tr(e) / 2).
+  [[nodiscard]] static Lanes<Scalar> energy(const Batch& batch, std::size_t q, const Lanes<Scalar>& squared_norm,
+                                            const Lanes<Scalar>& trace, const Lanes<Scalar>& volumetric) {
+    return batch.point[q].root_stiffness * batch.point[q].root_stiffness *
+           (squared_norm + Lanes<Scalar>(Scalar(0.5)) * volumetric * trace);
   }
 
   /// Minus the stress times the volume: -V (2 mu e + mu volumetric I).

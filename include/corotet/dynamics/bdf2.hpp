@@ -40,7 +40,7 @@ class Bdf2 {
 
   /// Symbolic work and memory for `body` and its copies.
   explicit Bdf2(const Body& body, Solver solver = Solver(), const NewtonOptions& newton = {})
-      : implicit_(body, std::move(solver), newton, true),
+      : implicit_(body, std::move(solver), newton),
         sums_(body.vertex_count()),
         last_position_(at(body.vertex_count()), Vec3<Scalar>::Zero()),
         last_velocity_(last_position_),

@@ -27,7 +27,7 @@ class ImplicitEuler {
 
   /// Symbolic work and memory for `body` and its copies.
   explicit ImplicitEuler(const Body& body, Solver solver = Solver(), const NewtonOptions& newton = {})
-      : implicit_(body, std::move(solver), newton, false) {}
+      : implicit_(body, std::move(solver), newton) {}
   ImplicitEuler(const Body& body, const typename Solver::Options& options, const NewtonOptions& newton = {})
       : ImplicitEuler(body, Solver(options), newton) {}
 

@@ -6,18 +6,18 @@
 #include <corotet/core/assert.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
-#include <corotet/dynamics/angular_momentum.hpp>
+#include <corotet/dynamics/energy_balance.hpp>
 #include <corotet/dynamics/line_search.hpp>
 #include <corotet/dynamics/newton_options.hpp>
 #include <corotet/dynamics/soft_body.hpp>
 #include <corotet/dynamics/step_equation.hpp>
 #include <corotet/dynamics/step_phase.hpp>
 #include <corotet/dynamics/step_report.hpp>
+#include <corotet/dynamics/turning_frame.hpp>
 #include <corotet/solve/range_sum.hpp>
 #include <corotet/solve/solver.hpp>
 #include <limits>
 #include <utility>
-#include <vector>
 
 namespace corotet {
 
@@ -29,17 +29,18 @@ class ImplicitStep {
  public:
   using Scalar = typename Body::scalar_type;
 
-  /// Symbolic work and memory. `linearised_ahead`: whether formulas will ask for it.
-  ImplicitStep(const Body& body, Solver solver, const NewtonOptions& newton, bool linearised_ahead)
+  /// Symbolic work and memory.
+  ImplicitStep(const Body& body, Solver solver, const NewtonOptions& newton)
       : options_(newton),
         solver_(std::move(solver)),
-        equation_(body, newton.tangent, linearised_ahead || newton.iterations > 1),
+        equation_(body, newton.tangent),
         change_(at(body.vertex_count()), Vec3<Scalar>::Zero()),
         velocity_(change_),
         displacement_(change_),
-        energy_scratch_(newton.iterations > 1 ? body.law().mean_dilatation().scratch_size() : 0),
+        seen_velocity_(change_),
         sum_(body.vertex_count()),
-        spin_(body.vertex_count()) {
+        frame_(body.vertex_count()),
+        balance_(body) {
     solver_.analyze(body.pattern(), body.mesh().positions());
   }
 
@@ -62,23 +63,60 @@ class ImplicitStep {
 
   /// Moves the body as `formula` says; a refused step leaves it untouched. The formula's fields may be the body's.
   template <Executor E, StepObserver O>
-  StepReport advance(Body& body, const StepFormula<Scalar>& formula, E& executor, O& observer) {
+  StepReport advance(Body& body, const StepFormula<Scalar>& wanted, E& executor, O& observer) {
+    observer(StepPhase::assembly);
+    const bool free = options_.keeps_angular_momentum && body.pins().vertices().empty();
+    const bool turning = free && !wanted.ahead;
+    if (free) frame_.begin(body, wanted.h, wanted.ahead.has_value(), executor);
+    if (turning) frame_.enter(body, wanted.h, seen_velocity_, executor);
+    const StepFormula<Scalar> formula{wanted.c, wanted.position, turning ? seen_velocity_ : wanted.velocity, wanted.h,
+                                      wanted.ahead};
+    const StepReport report = attempt(body, formula, options_.iterations, free, executor, observer);
+    if (!balances(options_.iterations) || !report.accepted() ||
+        !balance_.is_upset(body, formula, displacement_, velocity_, equation_, executor))
+      return report;
+    body.swap_state(displacement_, velocity_);  // as it was
+    StepReport again;
+    if (formula.ahead) {
+      const StepFormula<Scalar> euler{
+          .c = formula.h, .position = body.displacements(), .velocity = body.velocities(), .h = formula.h, .ahead = {}};
+      again = advance(body, euler, executor, observer);
+    } else {
+      constexpr int most = 8;  // backward Euler gains nothing long before it has converged
+      again = attempt(body, formula, most, free, executor, observer);
+    }
+    again.iterations += report.iterations;
+    again.newton_iterations += report.newton_iterations;
+    return again;
+  }
+
+  /// After an accepted step: exchanges the state that the body had before it for buffers of the same length.
+  void swap_previous_state(Field<Scalar>& displacement, Field<Scalar>& velocity) {
+    displacement_.swap(displacement);
+    velocity_.swap(velocity);
+  }
+
+ private:
+  /// One step of `most` linear solves at most.
+  template <Executor E, StepObserver O>
+  StepReport attempt(Body& body, const StepFormula<Scalar>& formula, int most, bool free, E& executor, O& observer) {
     StepReport report;
+    const bool newton = most > 1;
     observer(StepPhase::assembly);
     equation_.project_twist(false);
     equation_.prepare(body, formula.c);
     start(body, formula, executor);
-    const bool newton = options_.iterations > 1;
+    if (balances(most)) balance_.begin(body, equation_, !formula.ahead);
     bool projected = false;
     double first_change = 0, last_decrement2 = 0, energy = 0, rounding = 0;
     for (bool done = false; !done;) {
       const bool first = report.newton_iterations == 0;
-      equation_.build_matrix(body, formula.c, first, executor);
+      equation_.build_matrix(body, formula.c, first, newton || formula.ahead, executor);
       if (first) build_first_right_side(body, formula, executor);
       equation_.isolate_pins(body);
 
       observer(StepPhase::solve);
-      const SolveStatus status = solve(body, formula.c, report, executor);
+      const SolveStatus status = solve(body, formula, report, executor);
       const double decrement2 = newton ? equation_.right_side_dot(change_, executor) : 0;  // g . A^-1 g
       if ((status == SolveStatus::breakdown || decrement2 < 0) && options_.tangent == Tangent::exact && !projected) {
         observer(StepPhase::assembly);
@@ -105,7 +143,7 @@ class ImplicitStep {
         rounding = equation_.position_rounding(body, formula.c, executor);
       }
       if (newton && !first && Body::Law::is_conservative) {  // the first guess may not have the pins where they go
-        const double noise = energy_noise(energy, rounding);
+        const double noise = balance_.noise(energy, rounding);
         rounding_hides =
             decrement2 <= rounding * rounding || (decrement2 <= noise && decrement2 > 0.8 * last_decrement2);
         fraction = search_line(body, formula, decrement2, noise, energy, executor);
@@ -113,7 +151,7 @@ class ImplicitStep {
       if (!move(body, formula, static_cast<Scalar>(fraction), executor)) return refused(report, Refusal::overflow);
       if (!newton) break;
 
-      if (first) energy = body.law().energy(displacement_, energy_scratch_);
+      if (first) energy = balance_.elastic(body, displacement_);
       equation_.evaluate(body, displacement_, executor);
       equation_.linearise_here(body, formula, velocity_, executor);
       // What a correction of this size leaves if the error has shrunk as the gradient has.
@@ -122,14 +160,16 @@ class ImplicitStep {
       report.newton_residual = first_change > 0 ? left / first_change : 0;
       report.newton_converged = fraction == 1 && (left <= options_.tolerance * first_change || rounding_hides);
       last_decrement2 = decrement2;
-      done = report.newton_converged || fraction == 0 || report.newton_iterations >= options_.iterations;
+      done = report.newton_converged || fraction == 0 || report.newton_iterations >= most;
       if (!done) observer(StepPhase::assembly);
     }
 
-    const bool spins = options_.keeps_angular_momentum && body.pins().vertices().empty();
-    if (spins && !keep_spin(body, formula, executor)) return refused(report, Refusal::overflow);
+    if (balances(most))
+      balance_.solved(body, formula.ahead ? body.velocities() : formula.velocity, displacement_, velocity_, executor);
+    if (free && !frame_.leave(body, formula.c, displacement_, velocity_, executor))
+      return refused(report, Refusal::overflow);
     body.swap_state(displacement_, velocity_);
-    if (newton && !projected && !spins) equation_.adopt(body);
+    if (newton && !projected && !free) equation_.adopt(body);
     equation_.project_twist(false);
     equation_.evaluate(body, executor);
     const DeformationExtremes worst = equation_.worst();
@@ -139,13 +179,11 @@ class ImplicitStep {
     return report;
   }
 
-  /// After an accepted step: exchanges the state that the body had before it for buffers of the same length.
-  void swap_previous_state(Field<Scalar>& displacement, Field<Scalar>& velocity) {
-    displacement_.swap(displacement);
-    velocity_.swap(velocity);
+  /// Whether the energy of an attempt with `most` solves is compared with that before it.
+  [[nodiscard]] bool balances(int most) const {
+    return options_.bounds_energy && Body::Law::is_conservative && most == 1;
   }
 
- private:
   static StepReport refused(StepReport report, Refusal why, Index vertex = -1) {
     report.refusal = why;
     report.vertex = vertex;
@@ -206,14 +244,6 @@ class ImplicitStep {
     return not_finite == 0;
   }
 
-  template <Executor E>
-  [[nodiscard]] bool keep_spin(const Body& body, const StepFormula<Scalar>& formula, E& executor) {
-    const double damping = double(formula.h) * body.damping().mass;
-    const double decay = !formula.ahead ? 1 / (1 + damping) : std::exp(-damping);  // of first, of second order
-    spin_.restore(body, formula.position, formula.h, decay, velocity_, executor);
-    return move(body, formula, 0, executor);
-  }
-
   /// displacement_ = xbar + c (velocity_ + fraction change_).
   template <Executor E>
   void try_move(const Body& body, const StepFormula<Scalar>& formula, Scalar fraction, E& executor) {
@@ -231,22 +261,15 @@ class ImplicitStep {
   }
 
   template <Executor E>
-  [[nodiscard]] SolveStatus solve(const Body& body, Scalar c, StepReport& report, E& executor) {
+  [[nodiscard]] SolveStatus solve(const Body& body, const StepFormula<Scalar>& formula, StepReport& report,
+                                  E& executor) {
     const StepSystem<Scalar> system{equation_.matrix(), equation_.right_side(), body.displacements(),
                                     body.pins().vertices(), equation_.era()};
     const SolveReport solve = solver_.solve(system, change_, executor);
-    if (body.pins().vertices().empty()) equation_.settle_momentum(body, c, change_, executor);
+    if (body.pins().vertices().empty()) equation_.settle_momentum(body, formula, velocity_, change_, executor);
     report.iterations += solve.iterations;
     report.residual = std::max(report.residual, solve.residual);
     return solve.status;
-  }
-
-  /// What rounding may add to the elastic energy (J): relative to itself, and by the forces on positions that are
-  /// rounded at random.
-  [[nodiscard]] double energy_noise(double energy, double rounding) const {
-    const double vertices = static_cast<double>(change_.size());
-    return 16 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) * energy +
-           rounding * (std::sqrt(2 * energy / vertices) + rounding / vertices);
   }
 
   /// The fraction of change_ that lowers the incremental energy |x - xtilde|^2_M / 2 c^2 + W(x) - f_ext . x + D's
@@ -259,7 +282,7 @@ class ImplicitStep {
     const double before = elastic, slope = along.elastic - decrement2;
     return backtrack(-decrement2, noise, [&](double fraction) {
       try_move(body, formula, static_cast<Scalar>(fraction), executor);
-      elastic = body.law().energy(displacement_, energy_scratch_);
+      elastic = balance_.elastic(body, displacement_);
       return fraction * (slope + fraction * along.curvature / 2) + elastic - before;
     });
   }
@@ -267,10 +290,10 @@ class ImplicitStep {
   NewtonOptions options_;
   Solver solver_;
   StepEquation<Body> equation_;
-  Field<Scalar> change_, velocity_, displacement_;
-  std::vector<double> energy_scratch_;
+  Field<Scalar> change_, velocity_, displacement_, seen_velocity_;
   RangeSum sum_;
-  AngularMomentum<Body> spin_;
+  TurningFrame<Body> frame_;
+  EnergyBalance<Body> balance_;
 };
 
 }  // namespace corotet

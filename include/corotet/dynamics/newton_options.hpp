@@ -18,6 +18,9 @@ struct NewtonOptions {
   /// Whether a body without pins keeps its angular momentum exactly, see AngularMomentum. If not, as far as the
   /// integrator does.
   bool keeps_angular_momentum = true;
+  /// Whether a step of backward Euler with one solve that would end with more energy than the body had, and than forces
+  /// and pins gave it, is solved again by Newton's method. Steps of ordinary scenes never do.
+  bool bounds_energy = true;
 };
 
 }  // namespace corotet

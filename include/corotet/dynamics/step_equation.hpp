@@ -37,20 +37,27 @@ class StepEquation {
  public:
   using Scalar = typename Body::scalar_type;
 
-  /// Memory. `linearised_often`: whether the equation is linearised at other velocities than v_k = 0.
-  StepEquation(const Body& body, Tangent tangent, bool linearised_often)
+  /// Memory.
+  StepEquation(const Body& body, Tangent tangent)
       : evaluation_(body.law(), tangent),
         matrix_(body.pattern()),
         right_side_(at(body.vertex_count()), Vec3<Scalar>::Zero()),
         sums_(body.vertex_count()),
         momentum_(body.vertex_count()) {
-    if (body.damping().stiffness > 0 && linearised_often) damping_.emplace(body.pattern());
+    if (body.damping().stiffness > 0) damping_.emplace(body.pattern());
   }
 
   [[nodiscard]] const BlockMatrix<Scalar>& matrix() const { return matrix_; }
   [[nodiscard]] const Field<Scalar>& right_side() const { return right_side_; }
   [[nodiscard]] std::uint64_t era() const { return era_number_; }
   [[nodiscard]] DeformationExtremes worst() const { return evaluation_.worst(); }
+
+  /// The largest stress at the evaluated state over mu: what the warped stiffness leaves out, over what it has. Where
+  /// that is not known, infinite.
+  [[nodiscard]] double largest_stress(const Body& body) const {
+    return body.law().mean_dilatation().patches().count() > 0 ? std::numeric_limits<double>::infinity()
+                                                              : std::sqrt(worst().largest_stress2);
+  }
 
   /// See TwistModes::project: from the next evaluation on.
   void project_twist(bool on) {
@@ -88,11 +95,13 @@ class StepEquation {
   /// The displacement that was evaluated last is the body's now.
   void adopt(const Body& body) { revision_ = body.revision(); }
 
-  /// matrix = A at the evaluated state. `first`: of this step.
+  /// matrix = A at the evaluated state. `first`: of this step. `often`: whether the equation is linearised at other
+  /// velocities than v_k = 0.
   template <Executor E>
-  void build_matrix(const Body& body, Scalar c, bool first, E& executor) {
+  void build_matrix(const Body& body, Scalar c, bool first, bool often, E& executor) {
     const Scalar mass = mass_factor(body, c), viscosity = damping_factor(body, c);
-    if (first && damping_) assemble(body.law(), evaluation_, body.mass(), Scalar(0), Scalar(1), *damping_, executor);
+    if (first && often && damping_)
+      assemble(body.law(), evaluation_, body.mass(), Scalar(0), Scalar(1), *damping_, executor);
     assemble(body.law(), evaluation_, body.mass(), mass, first ? c * (c + body_damping(body)) : c * c, matrix_,
              executor);
     if (!first && damping_) matrix_.add(viscosity, *damping_, executor);
@@ -138,19 +147,26 @@ class StepEquation {
     }
   }
 
-  /// Adds to the change of velocity of a body without pins the translation that its momentum lacks: whatever the solver
-  /// has left, rows of all stiffnesses sum to zero, so that 1^T A d = (1 + c a) 1^T M d must equal 1^T right_side.
+  /// Adds to the change d of the velocity v of a body without pins the translation that its momentum lacks. Rows of all
+  /// stiffnesses sum to zero, so that of the whole equation this is left: (1 + c a) M (v + d) = M vbar + c f_ext, in
+  /// sum. Neither what the solver has left nor rounding of elastic forces is in that.
   template <Executor E>
-  void settle_momentum(const Body& body, Scalar c, Field<Scalar>& d, E& executor) {
-    const Scalar mass = mass_factor(body, c);
+  void settle_momentum(const Body& body, const StepFormula<Scalar>& formula, const Field<Scalar>& v, Field<Scalar>& d,
+                       E& executor) {
+    const double mass = double(mass_factor(body, formula.c)), c = double(formula.c);
     const auto lacking = momentum_(executor, [&](Index begin, Index end) {
       Vec3<double> sum = Vec3<double>::Zero();
-      for (Index i = begin; i < end; ++i)
-        sum += (right_side_[at(i)] - mass * body.mass().row_sum(i) * d[at(i)]).template cast<double>();
+      for (Index i = begin; i < end; ++i) {
+        const Vec3<double> change = d[at(i)].template cast<double>(), before = v[at(i)].template cast<double>();
+        const Vec3<double> more = formula.velocity[at(i)].template cast<double>() - before;
+        sum += double(body.mass().row_sum(i)) * (more - (mass - 1) * before - mass * change) +
+               c * body.external_forces()[at(i)].template cast<double>();
+      }
       return RangeSums<3>::Sums{sum[0], sum[1], sum[2]};
     });
-    const Vec3<double> momentum(lacking[0], lacking[1], lacking[2]);
-    const Vec3<Scalar> translation = (momentum / (double(mass) * body.mass().total())).template cast<Scalar>();
+    const Vec3<double> momentum = Vec3<double>(lacking[0], lacking[1], lacking[2]) +
+                                  c * body.mass().total() * body.gravity().template cast<double>();
+    const Vec3<Scalar> translation = (momentum / (mass * body.mass().total())).template cast<Scalar>();
     for_rows(body, executor, [&](Index i) { d[at(i)] += translation; });
   }
 
@@ -203,6 +219,12 @@ class StepEquation {
     return 4 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) / double(c) * std::sqrt(sum);
   }
 
+  /// f_ext + f_el of a vertex at the evaluated state, N.
+  [[nodiscard]] Vec3<Scalar> force(const Body& body, Index i) const {
+    return evaluation_.vertex_force(*body.pattern(), i) + body.external_forces()[at(i)] +
+           body.mass().row_sum(i) * body.gravity();
+  }
+
  private:
   using Sums = RangeSums<2>::Sums;
 
@@ -211,12 +233,6 @@ class StepEquation {
   }
   [[nodiscard]] static Scalar body_damping(const Body& body) { return static_cast<Scalar>(body.damping().stiffness); }
   [[nodiscard]] static Scalar damping_factor(const Body& body, Scalar c) { return c * body_damping(body); }
-
-  /// f_ext + f_el of a vertex at the evaluated state, N.
-  [[nodiscard]] Vec3<Scalar> force(const Body& body, Index i) const {
-    return evaluation_.vertex_force(*body.pattern(), i) + body.external_forces()[at(i)] +
-           body.mass().row_sum(i) * body.gravity();
-  }
 
   /// ((M + c D) v) of a vertex.
   [[nodiscard]] Vec3<Scalar> inertia(const Body& body, Scalar c, Index i, const Field<Scalar>& v) const {

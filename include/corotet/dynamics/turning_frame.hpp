@@ -1,0 +1,179 @@
+// A body that nothing holds turns without growing, and keeps its angular momentum.
+#pragma once
+
+#include <cmath>
+#include <corotet/core/executor.hpp>
+#include <corotet/core/types.hpp>
+#include <corotet/rotation/polar_robust.hpp>
+#include <corotet/solve/range_sum.hpp>
+#include <limits>
+#include <span>
+
+namespace corotet {
+
+/// A step of a body without pins, seen from its centre of mass.
+///
+/// Straight lines: x' = x + h v' moves a vertex that turns by h w along the tangent, and the body grows by
+/// sqrt(1 + (h w)^2). So backward Euler is solved in a frame that turns with the body, at the w of its angular momentum
+/// and inertia, in which that part of the motion is rest; then body and velocities are turned by h w. What the frame
+/// adds, per vertex at r: the velocity u = v - w x r keeps its length and turns by -2 h w (Coriolis), and gains
+/// -g w x (w x r) with g = h / sqrt(1 + (h w)^2), the radial velocity of a free point after h: h w^2 for slow turns, no
+/// more than the velocity itself for fast ones.
+///
+/// Angular momentum: implicit integrators brake spin, by sum c v' x M vbar. This gives it back by the change of
+/// velocity that is smallest in the norm of M, a rotation about the centre of mass (projection onto the level set of a
+/// first integral: Hairer, Lubich & Wanner 2006, section IV.4), which is exact to rounding, as the momentum is linear
+/// in v'. What the solver's tolerance has left, and torques of forces that have no energy, go with it.
+template <class Body>
+class TurningFrame {
+ public:
+  using Scalar = typename Body::scalar_type;
+
+  explicit TurningFrame(Index vertices) : before_sums_(vertices), after_sums_(vertices), finite_(vertices) {}
+
+  /// Before a step of `h` s: what the body's angular momentum about its centre of mass will be after it, from what it
+  /// is, what mass damping leaves of that (to first or second order), and what forces besides gravity do to it.
+  template <Executor E>
+  void begin(const Body& body, Scalar h, bool second_order, E& executor) {
+    const auto x = placed(body, body.displacements());
+    const auto v = relative(body.velocities());
+    const auto sums = before_sums_(executor, [&](Index begin, Index end) {
+      Before part{};
+      Eigen::Map<Eigen::Matrix<double, 3, 8>> sum(part.data());
+      for (Index i = begin; i < end; ++i) {
+        add_motion(body, i, x, v, sum);
+        const Vec3<double> force = body.external_forces()[at(i)].template cast<double>();
+        sum.col(6) += force;
+        sum.col(7) += (x(i) + double(h) / 2 * v(i)).cross(force);
+      }
+      return part;
+    });
+    const Eigen::Map<const Eigen::Matrix<double, 3, 8>> sum(sums.data());
+    before_ = motion(body, sum);
+    const double damping = double(h) * body.damping().mass;
+    const double decay = second_order ? std::exp(-damping) : 1 / (1 + damping);
+    const Vec3<double> midway = before_.centre + double(h) / 2 * before_.velocity;
+    goal_ = decay * before_.momentum + double(h) * std::sqrt(decay) * (sum.col(7) - midway.cross(sum.col(6)));
+    frame_.setZero();
+    turn_.setZero();
+  }
+
+  /// Enters the frame for the step that has begun: `velocity` is the body's as seen from it, m/s.
+  template <Executor E>
+  void enter(const Body& body, Scalar h, Field<Scalar>& velocity, E& executor) {
+    const Vec3<double> w = frame_ = angular_velocity(before_.second, before_.momentum);
+    turn_ = double(h) * w;
+    const Mat3<double> coriolis = rotation(-2 * turn_);
+    const double g = double(h) / std::sqrt(1 + turn_.squaredNorm());
+    const auto x = placed(body, body.displacements());
+    const auto v = relative(body.velocities());
+    const Vec3<double> flight = body.velocities()[0].template cast<double>() + before_.velocity;
+    for_ranges(executor, body.vertex_count(), RangeSum::grain, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i) {
+        const Vec3<double> around = w.cross(x(i) - before_.centre);
+        const Vec3<double> seen = coriolis * (v(i) - before_.velocity - around) - g * w.cross(around);
+        velocity[at(i)] = (flight + seen).template cast<Scalar>();
+      }
+    });
+  }
+
+  /// Leaves the frame, if it was entered, and gives the body its angular momentum: turns the solution of a step, with
+  /// x' = xbar + c v'. False if a number is not finite.
+  template <Executor E>
+  [[nodiscard]] bool leave(const Body& body, Scalar c, Field<Scalar>& displacement, Field<Scalar>& velocity,
+                           E& executor) {
+    const auto x = placed(body, displacement);
+    const auto v = relative(velocity);
+    const auto sums = after_sums_(executor, [&](Index begin, Index end) {
+      After part{};
+      Eigen::Map<Eigen::Matrix<double, 3, 6>> sum(part.data());
+      for (Index i = begin; i < end; ++i) add_motion(body, i, x, v, sum);
+      return part;
+    });
+    const Motion solved = motion(body, Eigen::Map<const Eigen::Matrix<double, 3, 6>>(sums.data()));
+    Mat3<double> q = rotation(turn_);  // and on, by what the solution lacks besides the frame's own turn
+    q *= rotation(double(c) * (angular_velocity(solved.second, q.transpose() * goal_ - solved.momentum) - frame_));
+    const Vec3<double> w = angular_velocity(q * solved.second * q.transpose(), goal_ - q * solved.momentum);
+    const Vec3<double> still = velocity[0].template cast<double>() + solved.velocity;
+    const double not_finite = finite_(executor, [&](Index begin, Index end) {
+      bool finite = true;
+      for (Index i = begin; i < end; ++i) {
+        const Vec3<double> before = x(i) - solved.centre, after = q * before;
+        displacement[at(i)] += (after - before).template cast<Scalar>();
+        velocity[at(i)] = (still + q * (v(i) - solved.velocity) + w.cross(after)).template cast<Scalar>();
+        finite = finite && displacement[at(i)].allFinite() && velocity[at(i)].allFinite();
+      }
+      return finite ? 0.0 : 1.0;
+    });
+    return not_finite == 0;
+  }
+
+ private:
+  using Before = RangeSums<24>::Sums;
+  using After = RangeSums<18>::Sums;
+
+  /// Of a whole body, relative to its first vertex: sums stay small in flight and far from the origin.
+  struct Motion {
+    Vec3<double> centre, velocity;  ///< of mass, m and m/s
+    Vec3<double> momentum;          ///< angular, about the centre, kg m^2/s
+    Mat3<double> second;            ///< moments of the mass about the centre, kg m^2
+  };
+
+  [[nodiscard]] static auto relative(std::span<const Vec3<Scalar>> field) {
+    return
+        [field, first = field[0]](Index i) -> Vec3<double> { return (field[at(i)] - first).template cast<double>(); };
+  }
+  [[nodiscard]] static auto placed(const Body& body, std::span<const Vec3<Scalar>> displacement) {
+    return [&rest = body.mesh().positions(), moved = relative(displacement)](Index i) -> Vec3<double> {
+      return (rest[at(i)] - rest[0]).template cast<double>() + moved(i);
+    };
+  }
+
+  /// Columns: mass x, mass v, x cross mass v, and three of x (mass x)^T.
+  template <class Place, class Speed, class Columns>
+  static void add_motion(const Body& body, Index i, const Place& x, const Speed& v, Columns& sum) {
+    const auto mass_times = [&](const auto& field) { return body.mass().row_product(*body.pattern(), i, field); };
+    const double mass = double(body.mass().row_sum(i));
+    sum.col(0) += mass * x(i);
+    sum.col(1) += mass * v(i);
+    sum.col(2) += x(i).cross(mass_times(v));
+    sum.template middleCols<3>(3) += x(i) * mass_times(x).transpose();
+  }
+  template <class Columns>
+  [[nodiscard]] static Motion motion(const Body& body, const Columns& sum) {
+    const double mass = body.mass().total();
+    const Vec3<double> centre = sum.col(0) / mass;
+    return {centre, sum.col(1) / mass, sum.col(2) - centre.cross(sum.col(1)),
+            sum.template middleCols<3>(3) - mass * centre * centre.transpose()};
+  }
+
+  [[nodiscard]] static Mat3<double> rotation(const Vec3<double>& turn) {
+    const double angle = turn.norm();
+    return angle > 0 ? Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() : Mat3<double>::Identity().eval();
+  }
+
+  /// w of the angular momentum (tr(S) - S) w, rad/s, where S are the second moments, kg m^2. None about an axis on
+  /// which all mass lies.
+  [[nodiscard]] static Vec3<double> angular_velocity(const Mat3<double>& second, const Vec3<double>& momentum) {
+    Eigen::Matrix4d inertia = Eigen::Matrix4d::Zero();  // the fourth axis has none
+    inertia.topLeftCorner<3, 3>() = second.trace() * Mat3<double>::Identity() - (second + second.transpose()) / 2;
+    const Eigen::Matrix4d axes = detail::diagonalise<double>(inertia);
+    const double least = std::numeric_limits<Scalar>::epsilon() * inertia.diagonal().maxCoeff();
+    Vec3<double> w = Vec3<double>::Zero();
+    for (int k = 0; k < 4; ++k) {
+      const Vec3<double> axis = axes.col(k).head<3>();
+      if (inertia(k, k) > least) w += axis.dot(momentum) / inertia(k, k) * axis;
+    }
+    return w.allFinite() ? w : Vec3<double>::Zero().eval();
+  }
+
+  Motion before_{};
+  Vec3<double> goal_ = Vec3<double>::Zero();   // angular momentum after the step
+  Vec3<double> frame_ = Vec3<double>::Zero();  // its angular velocity, rad/s, 0 if it was not entered
+  Vec3<double> turn_ = Vec3<double>::Zero();   // the angle of that in the step, rad
+  RangeSums<24> before_sums_;
+  RangeSums<18> after_sums_;
+  RangeSum finite_;
+};
+
+}  // namespace corotet
