@@ -5,6 +5,7 @@
 #include <corotet/assembly/assemble.hpp>
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/assembly/block_pattern.hpp>
+#include <corotet/assembly/deformation_extremes.hpp>
 #include <corotet/assembly/dilatation_patches.hpp>
 #include <corotet/assembly/elastic_evaluation.hpp>
 #include <corotet/assembly/elasticity.hpp>
@@ -25,6 +26,8 @@
 #include <corotet/core/version.hpp>
 #include <corotet/dynamics/adaptive_step.hpp>
 #include <corotet/dynamics/bdf2.hpp>
+#include <corotet/dynamics/crossing_time.hpp>
+#include <corotet/dynamics/energy_balance.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <corotet/dynamics/implicit_step.hpp>
 #include <corotet/dynamics/line_search.hpp>
@@ -32,6 +35,7 @@
 #include <corotet/dynamics/pins.hpp>
 #include <corotet/dynamics/soft_body.hpp>
 #include <corotet/dynamics/step_bodies.hpp>
+#include <corotet/dynamics/step_check.hpp>
 #include <corotet/dynamics/step_equation.hpp>
 #include <corotet/dynamics/step_phase.hpp>
 #include <corotet/dynamics/step_report.hpp>

@@ -26,36 +26,23 @@ class Energy : public ::testing::Test {
   using Body = SoftBody<typename K::Scalar, typename K::Element>;
   static constexpr auto h = static_cast<typename K::Scalar>(1.0 / 60);
 
-  static Body bar(double poisson, Dilatation dilatation) {
+  static Body bar(double poisson, Dilatation dilatation, const RayleighDamping& damping = {}) {
     return testing::cantilever<typename K::Scalar, typename K::Element>(
         {.corner = {0, -0.1, -0.1}, .size = {1, 0.2, 0.2}, .cells = {5, 1, 1}},
         Material{.young = 5e5, .poisson = poisson, .density = 1000}, 9.81,
-        {.mass = MassModel::lumped, .damping = {}, .dilatation = dilatation});
-  }
-
-  static double kinetic(const Body& body) {
-    double sum = 0;
-    for (Index v = 0; v < body.vertex_count(); ++v)
-      sum += double(body.velocities()[at(v)].dot(body.mass().row_product(*body.pattern(), v, body.velocities()))) / 2;
-    return sum;
-  }
-  static double of(const Body& body) {
-    double sum = body.law().energy(body.displacements()) + kinetic(body);
-    for (Index v = 0; v < body.vertex_count(); ++v)
-      sum -= double(body.mass().row_sum(v)) * double(body.displacements()[at(v)].dot(body.gravity()));
-    return sum;
+        {.mass = MassModel::lumped, .damping = damping, .dilatation = dilatation});
   }
 
   /// The most that the energy ever rises in a swing of 5 s, over the swing's kinetic energy.
   template <class Integrator>
   static double rise(Body body, const NewtonOptions& newton) {
     Integrator integrator(body, testing::solver(), newton);
-    double least = of(body), most = 0, scale = 0;
+    double least = testing::energy(body), most = 0, scale = 0;
     for (int step = 0; step < 300; ++step) {
       EXPECT_TRUE(integrator.step(body, h).accepted());
-      scale = std::max(scale, kinetic(body));
-      most = std::max(most, of(body) - least);
-      least = std::min(least, of(body));
+      scale = std::max(scale, testing::kinetic_energy(body));
+      most = std::max(most, testing::energy(body) - least);
+      least = std::min(least, testing::energy(body));
     }
     return most / scale;
   }
@@ -78,35 +65,57 @@ TYPED_TEST(Energy, OfASwingNeverRises) {
     }
 }
 
-/// The second order formula may gain a little; nearly incompressible, where it gains a thousandth in many a step, a few
-/// hundredths.
+/// The second order formula may gain a little; nearly incompressible 10-node elements, which gain a thousandth in many
+/// a step, a few hundredths.
 TYPED_TEST(Energy, OfASwingStaysNearWithTheSecondOrder) {
   using Bdf = Bdf2<typename TestFixture::Body>;
+  const double most = TypeParam::Element::order == 1 ? 5e-3 : 5e-2;
   EXPECT_LT(this->template rise<Bdf>(this->bar(0.3, Dilatation::per_element), {}), 5e-3);
-  EXPECT_LT(this->template rise<Bdf>(this->bar(0.499, Dilatation::per_element), {}), 5e-2);
+  EXPECT_LT(this->template rise<Bdf>(this->bar(0.499, Dilatation::per_element), {}), most);
+  EXPECT_GT(this->template rise<Bdf>(this->bar(0.499, Dilatation::per_element), NewtonOptions{.bounds_energy = false}),
+            3 * most)
+      << "the case must tell";
 }
 
 /// What forces and pins do to a body is no gain: steps are solved once.
 TYPED_TEST(Energy, GivenByPinsAndForcesIsNotTakenForAGain) {
   using Scalar = typename TypeParam::Scalar;
-  for (const Dilatation dilatation : {Dilatation::per_element, Dilatation::mean}) {
-    auto body = this->bar(0.3, dilatation);
-    body.pin_where([](const auto& x) { return x.x() == 1; });
-    body.external_forces()[at(body.mesh().nearest_vertex({Scalar(0.5), 0, 0}))].y() = 400;
-    ImplicitEuler euler(body);
-    double stress = 0;
-    const double start = this->of(body);
-    for (int step = 0; step < 60; ++step) {  // to 1.6 times its length within a second, and to the side
-      for (const Index v : std::vector<Index>(body.pins().vertices()))
-        if (body.mesh().position(v).x() == 1)
-          body.move_pin(v, body.mesh().position(v) + Scalar(step + 1) * Vec3<Scalar>(Scalar(0.01), 0, Scalar(0.003)));
-      const StepReport report = euler.step(body, this->h);
-      ASSERT_TRUE(report.accepted());
-      EXPECT_EQ(report.newton_iterations, 1) << "step " << step;
-      stress = std::max(stress, report.largest_strain);
+  for (const RayleighDamping& damping : {RayleighDamping{0, 0}, RayleighDamping{2, 0}, RayleighDamping{1, 0.05}})
+    for (const Dilatation dilatation : {Dilatation::per_element, Dilatation::mean}) {
+      auto body = this->bar(0.3, dilatation, damping);
+      body.pin_where([](const auto& x) { return x.x() == 1; });
+      body.external_forces()[at(body.mesh().nearest_vertex({Scalar(0.5), 0, 0}))].y() = 400;
+      ImplicitEuler euler(body);
+      double stress = 0;
+      const double start = testing::energy(body);
+      for (int step = 0; step < 60; ++step) {  // to 1.6 times its length within a second, and to the side
+        for (const Index v : std::vector<Index>(body.pins().vertices()))
+          if (body.mesh().position(v).x() == 1)
+            body.move_pin(v, body.mesh().position(v) + Scalar(step + 1) * Vec3<Scalar>(Scalar(0.01), 0, Scalar(0.003)));
+        const StepReport report = euler.step(body, this->h);
+        ASSERT_TRUE(report.accepted());
+        EXPECT_EQ(report.newton_iterations, 1) << "step " << step;
+        stress = std::max(stress, report.largest_strain);
+      }
+      EXPECT_GT(stress, 0.3) << "so far that gains count";
+      EXPECT_GT(testing::energy(body), start + 500) << "J: the case must tell";
     }
-    EXPECT_GT(stress, 0.3) << "so far that gains count";
-    EXPECT_GT(this->of(body), start + 500) << "J: the case must tell";
+}
+
+/// A stiff wheel on an axle gains in each step what the next takes back; to solve that again would brake it.
+TYPED_TEST(Energy, OfAWheelOnAnAxleIsLeftAlone) {
+  for (const Dilatation dilatation : {Dilatation::per_element, Dilatation::mean}) {
+    auto body =
+        must(TestFixture::Body::create(testing::block<typename TypeParam::Scalar, typename TypeParam::Element>(
+                                           {.corner = {-0.2, -0.2, -0.1}, .size = {0.4, 0.4, 0.2}, .cells = {2, 2, 1}}),
+                                       Material{.young = 5e7, .poisson = 0.3, .density = 1000},
+                                       {.mass = MassModel::lumped, .damping = {}, .dilatation = dilatation}));
+    body.pin_where([](const auto& x) { return x.x() == 0 && x.y() == 0; });
+    must(body.set_velocities(testing::spin_of(body.mesh(), {0, 0, 6})));
+    ImplicitEuler euler(body, testing::solver({.tolerance = 1e-5}));
+    const double start = testing::kinetic_energy(body);
+    for (int step = 0; step < 60; ++step) EXPECT_EQ(euler.step(body, this->h).newton_iterations, 1) << "step " << step;
+    EXPECT_GT(testing::kinetic_energy(body), 0.9 * start);
   }
 }
 

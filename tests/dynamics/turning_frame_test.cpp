@@ -36,13 +36,6 @@ class Spin : public ::testing::Test {
     must(body.set_velocities(testing::spin_of(body.mesh(), turn / h)));
     return body;
   }
-
-  static double energy(const Body& body) {
-    double sum = body.law().energy(body.displacements());
-    for (Index v = 0; v < body.vertex_count(); ++v)
-      sum += double(body.velocities()[at(v)].dot(body.mass().row_product(*body.pattern(), v, body.velocities()))) / 2;
-    return sum;
-  }
 };
 using Kinds = ::testing::Types<Kind<float, Tet4>, Kind<float, Tet10>, Kind<double, Tet4>, Kind<double, Tet10>>;
 TYPED_TEST_SUITE(Spin, Kinds);
@@ -78,15 +71,15 @@ TYPED_TEST(Spin, NoEnergyComesFromNowhere) {
     for (const NewtonOptions& newton : {one_solve, converged}) {
       auto body = this->block({0.3 * turn, 0, turn}, 5e5 * turn * turn / 0.01);
       ImplicitEuler euler(body, testing::solver({.tolerance = 1e-4}), newton);
-      const double start = this->energy(body);
+      const double start = testing::energy(body);
       double least = start, rise = 0, largest_strain = 0;
       const int steps = static_cast<int>(std::ceil(3 * 2 * std::numbers::pi / turn));
       for (int step = 0; step < steps; ++step) {
         const StepReport report = euler.step(body, typename TypeParam::Scalar(this->h));
         ASSERT_TRUE(report.accepted());
         largest_strain = std::max(largest_strain, report.largest_strain);
-        rise = std::max(rise, this->energy(body) - least);
-        least = std::min(least, this->energy(body));
+        rise = std::max(rise, testing::energy(body) - least);
+        least = std::min(least, testing::energy(body));
       }
       EXPECT_LT(rise, 1e-3 * start) << "h omega = " << turn;
       EXPECT_GT(least, 0.95 * start) << "h omega = " << turn;
@@ -114,6 +107,25 @@ TYPED_TEST(Spin, IsTheSameInFlight) {
                steps * this->h * flight)
                   .norm(),
               tolerance);
+}
+
+/// A force that keeps its direction in space: a vertex of a body that has next to no stiffness follows it, whatever the
+/// body's spin, but for what the projection of angular momentum spreads over the body.
+TYPED_TEST(Spin, ForcesKeepTheirDirection) {
+  using Scalar = typename TypeParam::Scalar;
+  for (const double turn : {0.1, 0.5}) {
+    auto pulled = this->block({0, 0, turn}, 1e-3), left = pulled;
+    const Index vertex = pulled.mesh().nearest_vertex({Scalar(0.05), 0, 0});
+    const Vec3<double> force(1, 0, 0);
+    pulled.external_forces()[at(vertex)] = force.template cast<Scalar>();
+    ImplicitEuler a(pulled, testing::solver({.tolerance = 1e-6})), b(left, testing::solver({.tolerance = 1e-6}));
+    ASSERT_TRUE(a.step(pulled, Scalar(this->h)).accepted());
+    ASSERT_TRUE(b.step(left, Scalar(this->h)).accepted());
+    const Vec3<double> change =
+        (pulled.velocities()[at(vertex)] - left.velocities()[at(vertex)]).template cast<double>();
+    EXPECT_GT(change.normalized().x(), 0.985) << "h omega = " << turn;  // turned with the body: cos(2 h omega)
+    EXPECT_NEAR(change.norm(), this->h / double(pulled.mass().row_sum(vertex)), 0.1 * change.norm());
+  }
 }
 
 }  // namespace

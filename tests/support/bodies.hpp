@@ -95,6 +95,24 @@ auto spin_of(const Mesh& mesh, const Vec3<double>& omega) {
   return v;
 }
 
+/// J.
+template <class Body>
+double kinetic_energy(const Body& body) {
+  double sum = 0;
+  for (Index v = 0; v < body.vertex_count(); ++v)
+    sum += double(body.velocities()[at(v)].dot(body.mass().row_product(*body.pattern(), v, body.velocities()))) / 2;
+  return sum;
+}
+
+/// Kinetic, elastic and that of gravity, J.
+template <class Body>
+double energy(const Body& body) {
+  double sum = body.law().energy(body.displacements()) + kinetic_energy(body);
+  for (Index v = 0; v < body.vertex_count(); ++v)
+    sum -= double(body.mass().row_sum(v)) * double(body.displacements()[at(v)].dot(body.gravity()));
+  return sum;
+}
+
 /// About the centre of mass, kg m^2/s.
 template <class Body>
 Vec3<double> angular_momentum(const Body& body) {

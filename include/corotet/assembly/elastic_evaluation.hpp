@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <corotet/assembly/block_pattern.hpp>
+#include <corotet/assembly/deformation_extremes.hpp>
 #include <corotet/assembly/twist_modes.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
@@ -12,30 +13,6 @@
 #include <vector>
 
 namespace corotet {
-
-/// The worst of a body's elements, and the sum of their energies.
-struct DeformationExtremes {
-  Index inverted_elements = 0;      ///< elements with det F <= 0 at a quadrature point
-  double largest_strain2 = 0;       ///< square of the largest |sym(R^T F) - I| (Frobenius)
-  double least_rotation_trace = 3;  ///< least trace of R
-  double largest_stress2 = 0;       ///< square of the largest stress (Frobenius) over mu; and
-  double energy = 0;                ///< J; both without what is a mean over a patch
-
-  void merge(const DeformationExtremes& other) {
-    inverted_elements += other.inverted_elements;
-    largest_strain2 = std::max(largest_strain2, other.largest_strain2);
-    least_rotation_trace = std::min(least_rotation_trace, other.least_rotation_trace);
-    largest_stress2 = std::max(largest_stress2, other.largest_stress2);
-    energy += other.energy;
-  }
-
-  [[nodiscard]] double largest_strain() const { return std::sqrt(largest_strain2); }
-
-  /// Angle of the element rotation farthest from the identity, rad, 0 ... pi.
-  [[nodiscard]] double largest_rotation() const {
-    return std::acos(std::clamp((least_rotation_trace - 1) / 2, -1.0, 1.0));
-  }
-};
 
 /// Scratch that Elasticity::evaluate fills. Sized once; evaluating allocates nothing. Vectors are stored as Quads: what
 /// assembly reads of an element's node comes in one load.

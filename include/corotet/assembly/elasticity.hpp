@@ -7,6 +7,7 @@
 #include <cmath>
 #include <concepts>
 #include <corotet/assembly/block_matrix.hpp>
+#include <corotet/assembly/deformation_extremes.hpp>
 #include <corotet/assembly/elastic_evaluation.hpp>
 #include <corotet/assembly/element_rotations.hpp>
 #include <corotet/assembly/mean_dilatation.hpp>
@@ -89,7 +90,7 @@ class Elasticity {
     });
     if (mean_.on() && Mean::over_patches) {
       mean_.finish(out, executor);
-      if (has_twist_modes && out.twist.wanted()) set_twist_again(displacement, out, executor);
+      finish_batches(displacement, out, executor);
     }
   }
 
@@ -109,7 +110,8 @@ class Elasticity {
       for (std::size_t q = 0; q < points; ++q) {
         const Strain e = corotational_strain(f[q], r[q]);
         const Lanes<Scalar> trace = e.trace();
-        const Lanes<Scalar> each = energy(batch, q, e.squared_norm(), trace, batch.lame_ratio * trace + mean.tension);
+        const Lanes<Scalar> each =
+            strain_energy(e, batch.lame_ratio * trace + mean.tension, batch.point[q].root_stiffness);
         for (int l = 0; l < lane_count<Scalar>; ++l) sum += static_cast<double>(each[l]);
         if (mean_.on() && Mean::over_patches)
           for (int l = 0; l < lane_count<Scalar>; ++l) scratch[at(b * lane_count<Scalar> + l)] = double(trace[l]);
@@ -143,6 +145,7 @@ class Elasticity {
   using Mean = MeanDilatation<Scalar, Element>;
 
   using Strain = StrainLanes<Scalar>;
+  using Extremes = DeformationExtremesLanes<Scalar>;
 
   void set_rest_state(const TetMesh<Scalar, Element>& mesh, Index e) {
     Batch& batch = batches_[at(e / lane_count<Scalar>)];
@@ -178,22 +181,6 @@ class Elasticity {
     return least;
   }
 
-  /// Of the elements that each lane has held. Lanes beyond the last element are at rest.
-  struct Extremes {
-    Lanes<Scalar> inverted = 0, largest_strain2 = 0, least_trace = 3, largest_stress2 = 0, energy = 0;
-
-    [[nodiscard]] DeformationExtremes of_all_lanes() const {
-      DeformationExtremes all;
-      for (int l = 0; l < lane_count<Scalar>; ++l)
-        all.merge({.inverted_elements = static_cast<Index>(inverted[l]),
-                   .largest_strain2 = double(largest_strain2[l]),
-                   .least_rotation_trace = double(least_trace[l]),
-                   .largest_stress2 = double(largest_stress2[l]),
-                   .energy = double(energy[l])});
-      return all;
-    }
-  };
-
   void evaluate_batch(const Field<Scalar>& displacement, Index b, Evaluation& out, Extremes& extremes) const {
     using L = Lanes<Scalar>;
     const Batch& batch = batches_[at(b)];
@@ -212,17 +199,14 @@ class Elasticity {
     for (std::size_t q = 0; q < points; ++q) {
       const Mat3Lanes<Scalar>&fq = f[q], &rq = r[q];
       const Strain e = corotational_strain(fq, rq);
-      const L squared_norm = e.squared_norm();
-      extremes.largest_strain2 = max(extremes.largest_strain2, squared_norm);
+      extremes.largest_strain2 = max(extremes.largest_strain2, e.squared_norm());
       extremes.least_trace = min(extremes.least_trace, rq(0, 0) + rq(1, 1) + rq(2, 2));
 
       const Mat3Lanes<Scalar>& inverse = batch.point[q].inverse_jacobian;
       Mat3Lanes<Scalar> stress, rotated, rotated_stress, natural_stress;
       const L theta = e.trace();
       volumetric[q] = batch.lame_ratio * theta + mean.tension;
-      extremes.largest_stress2 =  // of 2 e + p I
-          max(extremes.largest_stress2, L(4) * squared_norm + volumetric[q] * (L(4) * theta + L(3) * volumetric[q]));
-      extremes.energy += energy(batch, q, squared_norm, theta, volumetric[q]);
+      extremes.add_stress(e, volumetric[q], batch.point[q].root_stiffness);
       scaled_stress(batch, q, e, volumetric[q], stress);
       if (has_twist_modes && out.twist.wanted()) out.twist.set(q, b, e, volumetric[q], rq);
       if (mean_.on() && Mean::over_patches) volumetric[q] = theta;  // what MeanDilatation::finish wants
@@ -255,26 +239,26 @@ class Elasticity {
     extremes.inverted += select(least_determinant > 0, L(0), L(1));  // at most 16 batches: exact
   }
 
-  /// The volumetric stress of a patch is known only after all of it has been evaluated.
+  /// The volumetric stress of a patch, and what follows from it, is known only after all of it has been evaluated.
   template <Executor E>
-  void set_twist_again(const Field<Scalar>& displacement, Evaluation& out, E& executor) const {
+  void finish_batches(const Field<Scalar>& displacement, Evaluation& out, E& executor) const {
     for_ranges(executor, size_of(batches_), batch_grain, [&](Index begin, Index end) {
+      Extremes extremes;
       for (Index b = begin; b < end; ++b) {
+        const Batch& batch = batches_[at(b)];
         std::array<Mat3Lanes<Scalar>, points> f, r;
-        deformation(batches_[at(b)], displacement, f, r);
+        deformation(batch, displacement, f, r);
         Lanes<Scalar> volumetric = 0;
         for (int l = 0; l < lane_count<Scalar> && b * lane_count<Scalar> + l < elements_; ++l)
           volumetric.set(l, out.volumetric_stress(0, b * lane_count<Scalar> + l));
-        out.twist.set(0, b, corotational_strain(f[0], r[0]), volumetric, r[0]);
+        const Strain e = corotational_strain(f[0], r[0]);
+        extremes.add_stress(e, volumetric, batch.point[0].root_stiffness);
+        if (has_twist_modes && out.twist.wanted()) out.twist.set(0, b, e, volumetric, r[0]);
       }
+      const DeformationExtremes found = extremes.of_all_lanes();
+      out.extremes[at(begin / batch_grain)].largest_stress2 = found.largest_stress2;
+      out.extremes[at(begin / batch_grain)].energy = found.energy;
     });
-  }
-
-  /// Of each element at a point, J: V (mu |e|^2 + mu volumetric tr(e) / 2).
-  [[nodiscard]] static Lanes<Scalar> energy(const Batch& batch, std::size_t q, const Lanes<Scalar>& squared_norm,
-                                            const Lanes<Scalar>& trace, const Lanes<Scalar>& volumetric) {
-    return batch.point[q].root_stiffness * batch.point[q].root_stiffness *
-           (squared_norm + Lanes<Scalar>(Scalar(0.5)) * volumetric * trace);
   }
 
   /// Minus the stress times the volume: -V (2 mu e + mu volumetric I).

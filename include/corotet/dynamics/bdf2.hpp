@@ -26,7 +26,7 @@ namespace corotet {
 /// The force is linearised where the body would be after the step at its present velocity, and pins at their targets:
 /// with one solve a step the error stays O(h^2) although the warped stiffness is not the exact tangent. Less far ahead
 /// where motion is not smooth, for only near that line is the formula stable with another tangent than the exact: see
-/// `lead`.
+/// `extrapolate`.
 ///
 /// A step that does not continue the last one is of backward Euler: the first, one after the caller set displacements
 /// or velocities, one that is more than twice as long as the step before (zero-stability ends at 1 + sqrt 2), and those

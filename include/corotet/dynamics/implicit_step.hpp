@@ -10,6 +10,7 @@
 #include <corotet/dynamics/line_search.hpp>
 #include <corotet/dynamics/newton_options.hpp>
 #include <corotet/dynamics/soft_body.hpp>
+#include <corotet/dynamics/step_check.hpp>
 #include <corotet/dynamics/step_equation.hpp>
 #include <corotet/dynamics/step_phase.hpp>
 #include <corotet/dynamics/step_report.hpp>
@@ -47,18 +48,10 @@ class ImplicitStep {
   [[nodiscard]] const Solver& solver() const { return solver_; }
   [[nodiscard]] const NewtonOptions& options() const { return options_; }
 
-  /// What keeps a step of `h` seconds from being tried, before anything is computed.
+  /// See check_step. The body must be the one that this was made for, or a copy.
   [[nodiscard]] StepReport check(const Body& body, Scalar h) const {
     COROTET_ASSERT(body.pattern() == equation_.matrix().shared_pattern(), "this integrator was made for another body");
-    if (!std::isfinite(h) || h <= 0) return refused({}, Refusal::time_step);
-    if (options_.iterations < 1 || !is_tolerance(options_.tolerance)) return refused({}, Refusal::newton_options);
-    if (!all_finite(body.gravity())) return refused({}, Refusal::gravity);
-    const auto force = body.external_forces();
-    for (std::size_t v = 0; v < force.size(); ++v)
-      if (!all_finite(force[v])) return refused({}, Refusal::external_force, static_cast<Index>(v));
-    for (std::size_t p = 0; p < body.pins().targets().size(); ++p)
-      if (!all_finite(body.pins().targets()[p])) return refused({}, Refusal::pin_target, body.pins().vertices()[p]);
-    return {};
+    return check_step(body, h, options_);
   }
 
   /// Moves the body as `formula` says; a refused step leaves it untouched. The formula's fields may be the body's.
@@ -67,8 +60,8 @@ class ImplicitStep {
     observer(StepPhase::assembly);
     const bool free = options_.keeps_angular_momentum && body.pins().vertices().empty();
     const bool turning = free && !wanted.ahead;
-    if (free) frame_.begin(body, wanted.h, wanted.ahead.has_value(), executor);
-    if (turning) frame_.enter(body, wanted.h, seen_velocity_, executor);
+    equation_.leave_forces();
+    if (free) enter_frame(body, wanted, executor);
     const StepFormula<Scalar> formula{wanted.c, wanted.position, turning ? seen_velocity_ : wanted.velocity, wanted.h,
                                       wanted.ahead};
     const StepReport report = attempt(body, formula, options_.iterations, free, executor, observer);
@@ -82,8 +75,14 @@ class ImplicitStep {
           .c = formula.h, .position = body.displacements(), .velocity = body.velocities(), .h = formula.h, .ahead = {}};
       again = advance(body, euler, executor, observer);
     } else {
+      observer(StepPhase::assembly);
       constexpr int most = 8;  // backward Euler gains nothing long before it has converged
       again = attempt(body, formula, most, free, executor, observer);
+    }
+    if (!again.accepted()) {  // what there was is better than nothing
+      equation_.leave_forces();
+      if (free) enter_frame(body, wanted, executor);
+      return attempt(body, formula, options_.iterations, free, executor, observer);
     }
     again.iterations += report.iterations;
     again.newton_iterations += report.newton_iterations;
@@ -102,7 +101,6 @@ class ImplicitStep {
   StepReport attempt(Body& body, const StepFormula<Scalar>& formula, int most, bool free, E& executor, O& observer) {
     StepReport report;
     const bool newton = most > 1;
-    observer(StepPhase::assembly);
     equation_.project_twist(false);
     equation_.prepare(body, formula.c);
     start(body, formula, executor);
@@ -165,7 +163,8 @@ class ImplicitStep {
     }
 
     if (balances(most))
-      balance_.solved(body, formula.ahead ? body.velocities() : formula.velocity, displacement_, velocity_, executor);
+      balance_.solved(body, equation_, formula.ahead ? body.velocities() : formula.velocity, displacement_, velocity_,
+                      executor);
     if (free && !frame_.leave(body, formula.c, displacement_, velocity_, executor))
       return refused(report, Refusal::overflow);
     body.swap_state(displacement_, velocity_);
@@ -179,16 +178,18 @@ class ImplicitStep {
     return report;
   }
 
+  /// Of a body without pins; one of second order is solved where it is.
+  template <Executor E>
+  void enter_frame(const Body& body, const StepFormula<Scalar>& formula, E& executor) {
+    frame_.begin(body, formula.h, formula.ahead.has_value(), executor);
+    if (formula.ahead) return;
+    frame_.enter(body, formula.h, seen_velocity_, executor);
+    equation_.turn_forces(frame_.space(), frame_.mean_force());
+  }
+
   /// Whether the energy of an attempt with `most` solves is compared with that before it.
   [[nodiscard]] bool balances(int most) const {
     return options_.bounds_energy && Body::Law::is_conservative && most == 1;
-  }
-
-  static StepReport refused(StepReport report, Refusal why, Index vertex = -1) {
-    report.refusal = why;
-    report.vertex = vertex;
-    report.converged = false;
-    return report;
   }
 
   /// Evaluates where the force is linearised first. velocity_: a guess, from which the first solve finds the change:

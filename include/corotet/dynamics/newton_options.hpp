@@ -15,11 +15,11 @@ struct NewtonOptions {
   /// from the last correction. The linear solver's tolerance bounds what one iteration can gain.
   double tolerance = 1e-3;
   Tangent tangent = Tangent::stretch_stable;
-  /// Whether a body without pins keeps its angular momentum exactly, see AngularMomentum. If not, as far as the
-  /// integrator does.
+  /// Whether a body without pins keeps its angular momentum exactly and turns without growing, see TurningFrame. If
+  /// not, as far as the integrator does.
   bool keeps_angular_momentum = true;
-  /// Whether a step of backward Euler with one solve that would end with more energy than the body had, and than forces
-  /// and pins gave it, is solved again by Newton's method. Steps of ordinary scenes never do.
+  /// Whether a step with one solve that ends with more energy than the body had, and than forces and pins gave it, is
+  /// solved again: by Newton's method, one of Bdf2 by backward Euler. See EnergyBalance.
   bool bounds_energy = true;
 };
 

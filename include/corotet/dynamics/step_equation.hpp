@@ -52,13 +52,6 @@ class StepEquation {
   [[nodiscard]] std::uint64_t era() const { return era_number_; }
   [[nodiscard]] DeformationExtremes worst() const { return evaluation_.worst(); }
 
-  /// The largest stress at the evaluated state over mu: what the warped stiffness leaves out, over what it has. Where
-  /// that is not known, infinite.
-  [[nodiscard]] double largest_stress(const Body& body) const {
-    return body.law().mean_dilatation().patches().count() > 0 ? std::numeric_limits<double>::infinity()
-                                                              : std::sqrt(worst().largest_stress2);
-  }
-
   /// See TwistModes::project: from the next evaluation on.
   void project_twist(bool on) {
     const bool before = evaluation_.twist.projects();
@@ -137,6 +130,22 @@ class StepEquation {
     const BlockPattern& pattern = matrix_.pattern();
     for (Index k = pattern.row_start[at(pin)]; k < pattern.row_start[at(pin) + 1]; ++k)
       right_side_[at(pattern.column[at(k)])] -= matrix_.block(k).transpose() * change;
+  }
+
+  /// From now on forces besides gravity turn with `q`, but for what only moves the centre of mass, `mean` (N/kg).
+  void turn_forces(const Mat3<double>& q, const Vec3<double>& mean) {
+    force_turn_ = q.template cast<Scalar>();
+    mean_force_ = mean.template cast<Scalar>();
+    turns_forces_ = true;
+  }
+  void leave_forces() { turns_forces_ = false; }
+
+  /// Of a vertex, besides gravity, N.
+  [[nodiscard]] Vec3<Scalar> external_force(const Body& body, Index i) const {
+    const Vec3<Scalar>& f = body.external_forces()[at(i)];
+    if (!turns_forces_) return f;
+    const Vec3<Scalar> mean = body.mass().row_sum(i) * mean_force_;
+    return force_turn_ * (f - mean) + mean;
   }
 
   /// Makes the pins' equations stand alone, with no change.
@@ -221,7 +230,7 @@ class StepEquation {
 
   /// f_ext + f_el of a vertex at the evaluated state, N.
   [[nodiscard]] Vec3<Scalar> force(const Body& body, Index i) const {
-    return evaluation_.vertex_force(*body.pattern(), i) + body.external_forces()[at(i)] +
+    return evaluation_.vertex_force(*body.pattern(), i) + external_force(body, i) +
            body.mass().row_sum(i) * body.gravity();
   }
 
@@ -261,6 +270,9 @@ class StepEquation {
   RangeSums<2> sums_;
   RangeSums<3> momentum_;
   std::uint64_t revision_ = 0;  // of the body's state in evaluation_; 0: of another
+  Mat3<Scalar> force_turn_ = Mat3<Scalar>::Identity();
+  Vec3<Scalar> mean_force_ = Vec3<Scalar>::Zero();
+  bool turns_forces_ = false;
   SystemEra era_;
   std::uint64_t era_number_ = 0;
 };

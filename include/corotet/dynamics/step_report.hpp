@@ -39,8 +39,8 @@ struct StepReport {
   int iterations = 0;            ///< of conjugate gradients, or corrections of a direct solution, all solves together
   double residual = 0;           ///< relative residual of the linear solve, the worst
   int newton_iterations = 0;     ///< linear solves
-  bool newton_converged = true;  ///< Newton's method reached its tolerance; one solve a step: nothing was asked
-  double newton_residual = 0;    ///< estimate of the error left, relative, see NewtonOptions; one solve: not known
+  bool newton_converged = true;  ///< Newton's method reached its tolerance; true after one solve
+  double newton_residual = 0;    ///< estimate of the error left, relative, see NewtonOptions; 0 after one solve
   Index inverted_elements = 0;   ///< elements turned inside out somewhere
   double largest_rotation = 0;   ///< of any element against its rest orientation, rad, 0 ... pi
   double largest_strain = 0;     ///< of any element, Frobenius norm of sym(R^T F) - I, dimensionless

@@ -54,6 +54,7 @@ class TurningFrame {
     const double decay = second_order ? std::exp(-damping) : 1 / (1 + damping);
     const Vec3<double> midway = before_.centre + double(h) / 2 * before_.velocity;
     goal_ = decay * before_.momentum + double(h) * std::sqrt(decay) * (sum.col(7) - midway.cross(sum.col(6)));
+    mean_force_ = sum.col(6) / body.mass().total();
     frame_.setZero();
     turn_.setZero();
   }
@@ -76,6 +77,11 @@ class TurningFrame {
       }
     });
   }
+
+  /// Once in the frame: how directions that rest in space have turned against it after the step, and the mean of the
+  /// forces besides gravity, N/kg.
+  [[nodiscard]] Mat3<double> space() const { return rotation(-turn_); }
+  [[nodiscard]] const Vec3<double>& mean_force() const { return mean_force_; }
 
   /// Leaves the frame, if it was entered, and gives the body its angular momentum: turns the solution of a step, with
   /// x' = xbar + c v'. False if a number is not finite.
@@ -168,6 +174,7 @@ class TurningFrame {
   }
 
   Motion before_{};
+  Vec3<double> mean_force_ = Vec3<double>::Zero();
   Vec3<double> goal_ = Vec3<double>::Zero();   // angular momentum after the step
   Vec3<double> frame_ = Vec3<double>::Zero();  // its angular velocity, rad/s, 0 if it was not entered
   Vec3<double> turn_ = Vec3<double>::Zero();   // the angle of that in the step, rad

@@ -1,0 +1,36 @@
+// What is refused before anything is computed.
+#pragma once
+
+#include <cmath>
+#include <corotet/core/types.hpp>
+#include <corotet/dynamics/newton_options.hpp>
+#include <corotet/dynamics/step_report.hpp>
+#include <corotet/solve/solver.hpp>
+#include <cstddef>
+
+namespace corotet {
+
+/// The report of a step that is not made: the body is as it was. `vertex`: the culprit, if there is one.
+[[nodiscard]] inline StepReport refused(StepReport report, Refusal why, Index vertex = -1) {
+  report.refusal = why;
+  report.vertex = vertex;
+  report.converged = false;
+  return report;
+}
+
+/// Names what the caller gave that keeps a step of `h` seconds from being tried: h, options, or a force, gravity or pin
+/// that is not finite. Accepted if nothing does.
+template <class Body>
+[[nodiscard]] StepReport check_step(const Body& body, typename Body::scalar_type h, const NewtonOptions& options) {
+  if (!std::isfinite(h) || h <= 0) return refused({}, Refusal::time_step);
+  if (options.iterations < 1 || !is_tolerance(options.tolerance)) return refused({}, Refusal::newton_options);
+  if (!all_finite(body.gravity())) return refused({}, Refusal::gravity);
+  const auto force = body.external_forces();
+  for (std::size_t v = 0; v < force.size(); ++v)
+    if (!all_finite(force[v])) return refused({}, Refusal::external_force, static_cast<Index>(v));
+  for (std::size_t p = 0; p < body.pins().targets().size(); ++p)
+    if (!all_finite(body.pins().targets()[p])) return refused({}, Refusal::pin_target, body.pins().vertices()[p]);
+  return {};
+}
+
+}  // namespace corotet
