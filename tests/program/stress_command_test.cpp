@@ -20,7 +20,7 @@ TEST_F(StressCommand, TheDefaultsPassCasesThatBreakOthers) {
   EXPECT_NE(read("out/stress.md").find("| stretch-8 | pass |"), std::string::npos);
 }
 
-/// A free block that Newton's method brakes, and a stretched bar that buzzes with the plain tangent: known to fail.
+/// A swing whose energy BDF2 lets rise, and a stretched bar that buzzes with the plain tangent: known to fail.
 TEST_F(StressCommand, FailuresAreShownAsFailures) {
   const Outcome swing = corotet("stress long-swing --quick --only tet4 bdf2 -o out");
   EXPECT_EQ(swing.exit_code, 1);

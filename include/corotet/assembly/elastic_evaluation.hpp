@@ -1,9 +1,7 @@
 // What the elastic law says of one state of a body: the part of elasticity that changes from step to step.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <corotet/assembly/block_pattern.hpp>
 #include <corotet/assembly/deformation_extremes.hpp>
 #include <corotet/assembly/twist_modes.hpp>

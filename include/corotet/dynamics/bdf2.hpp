@@ -65,9 +65,7 @@ class Bdf2 {
           body, {.c = h * (1 + w) / (1 + 2 * w), .position = position_, .velocity = velocity_, .h = h, .ahead = ahead},
           executor, observer);
     } else {
-      report = implicit_.advance(
-          body, {.c = h, .position = body.displacements(), .velocity = body.velocities(), .h = h, .ahead = {}},
-          executor, observer);
+      report = implicit_.advance(body, backward_euler(body, h), executor, observer);
     }
     if (!report.accepted()) return report;
     implicit_.swap_previous_state(last_position_, last_velocity_);

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <corotet/core/types.hpp>
+#include <corotet/element/element_batch.hpp>
 #include <corotet/element/jacobian.hpp>
 #include <corotet/element/reference_element.hpp>
 #include <corotet/material/material.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
+#include <cstddef>
 #include <limits>
 #include <vector>
 
@@ -20,10 +22,10 @@ template <std::floating_point Scalar, ReferenceElement Element>
   Field<double> area(at(mesh.vertex_count()), Vec3<double>::Zero());
   double volume = 0, surface = 0;
   for (Index e = 0; e < mesh.element_count(); ++e)
-    for (const QuadraturePoint& point : Element::stiffness_points) {
-      const auto gradient = Element::gradient(point.xi);
+    for (std::size_t q = 0; q < Element::stiffness_points.size(); ++q) {
+      const auto& gradient = natural_gradients<Element>[q];
       const Mat3<double> to_space = jacobian(gradient, [&](std::size_t a) { return mesh.node_position(e, a); });
-      const double part = point.weight * to_space.determinant();
+      const double part = Element::stiffness_points[q].weight * to_space.determinant();
       volume += part;
       const Mat3<double> inverse = to_space.inverse();
       for (std::size_t a = 0; a < gradient.size(); ++a)

@@ -76,9 +76,10 @@ class EnergyBalance {
   [[nodiscard]] bool is_upset(const Body& body, const StepFormula<Scalar>& formula,
                               const Field<Scalar>& displacement_before, const Field<Scalar>& velocity_before,
                               Equation& equation, E& executor) {
-    elastic_after_ = equation.worst().energy;
+    const DeformationExtremes worst = equation.worst();
+    elastic_after_ = worst.energy;
     revision_ = body.revision();
-    if (equation.worst().largest_stress2 < least_stress * least_stress) return false;
+    if (worst.largest_stress2 < least_stress * least_stress) return false;
     double gained = gained_ + elastic_after_ - elastic_;
     for (const Index p : body.pins().vertices()) {  // the work of what leads them
       const bool moved = body.displacements()[at(p)] != displacement_before[at(p)];
@@ -90,7 +91,6 @@ class EnergyBalance {
       gained -= static_cast<double>(pull.dot(body.displacements()[at(p)] - displacement_before[at(p)]));
     }
     const double stored = elastic_after_ + elastic_;
-    const double rounding = 16 * static_cast<double>(std::numeric_limits<Scalar>::epsilon());
     if (!(gained > (rounding + (formula.ahead ? most_gain : 0)) * (stored + kinetic_))) return false;
     return gained > noise(stored, equation.position_rounding(body, formula.c, executor));
   }
@@ -98,11 +98,11 @@ class EnergyBalance {
   /// What rounding may add to an elastic energy, J: relative to itself, and by the forces on positions that are rounded
   /// at random, sqrt(J) in all.
   [[nodiscard]] double noise(double energy, double position_rounding) const {
-    return 16 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) * energy +
-           position_rounding * (std::sqrt(2 * energy / vertices_) + position_rounding / vertices_);
+    return rounding * energy + position_rounding * (std::sqrt(2 * energy / vertices_) + position_rounding / vertices_);
   }
 
  private:
+  static constexpr double rounding = 16 * static_cast<double>(std::numeric_limits<Scalar>::epsilon());
   static constexpr double most_gain = 1e-3;
   /// The largest stress over mu from which on a gain counts. A stiff body that turns about a pinned axle stretches by
   /// (h w)^2 / 2 in each step, and is drawn back in the next: to solve that again would do no more than brake it.

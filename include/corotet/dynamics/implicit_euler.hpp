@@ -41,9 +41,7 @@ class ImplicitEuler {
   StepReport step(Body& body, Scalar h, E& executor, O&& observer = O()) {
     const StepReport checked = implicit_.check(body, h);
     if (!checked.accepted()) return checked;
-    return implicit_.advance(
-        body, {.c = h, .position = body.displacements(), .velocity = body.velocities(), .h = h, .ahead = {}}, executor,
-        observer);
+    return implicit_.advance(body, backward_euler(body, h), executor, observer);
   }
   StepReport step(Body& body, Scalar h) {
     SerialExecutor serial;

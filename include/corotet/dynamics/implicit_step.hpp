@@ -59,8 +59,10 @@ class ImplicitStep {
     observer(StepPhase::assembly);
     const bool free = options_.keeps_angular_momentum && body.pins().vertices().empty();
     const bool turning = free && !wanted.ahead;
-    if (!free) equation_.leave_forces();
-    if (free) enter_frame(body, wanted, executor);
+    if (free)
+      enter_frame(body, wanted, executor);
+    else
+      equation_.leave_forces();
     const StepFormula<Scalar> formula{wanted.c, wanted.position, turning ? seen_velocity_ : wanted.velocity, wanted.h,
                                       wanted.ahead};
     const StepReport report = attempt(body, formula, options_.iterations, free, executor, observer);
@@ -70,9 +72,7 @@ class ImplicitStep {
     body.swap_state(displacement_, velocity_);  // as it was
     StepReport again;
     if (formula.ahead) {
-      const StepFormula<Scalar> euler{
-          .c = formula.h, .position = body.displacements(), .velocity = body.velocities(), .h = formula.h, .ahead = {}};
-      again = advance(body, euler, executor, observer);
+      again = advance(body, backward_euler(body, formula.h), executor, observer);
     } else {
       observer(StepPhase::assembly);
       constexpr int most = 8;  // backward Euler gains nothing long before it has converged

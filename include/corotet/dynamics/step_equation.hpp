@@ -28,6 +28,12 @@ struct StepFormula {
   std::optional<Scalar> ahead;
 };
 
+/// v' = v + h M^-1 (f_ext + f_el(x') - D v'), x' = x + h v', linearised where the body is.
+template <class Body>
+[[nodiscard]] StepFormula<typename Body::scalar_type> backward_euler(const Body& body, typename Body::scalar_type h) {
+  return {.c = h, .position = body.displacements(), .velocity = body.velocities(), .h = h, .ahead = {}};
+}
+
 /// With the force linearised at x_k = xbar + c v_k, f_el(x) = f_el(x_k) - K (x - x_k), the new velocity of a
 /// StepFormula follows from A v = M vbar + c (f_ext + f_el(x_k)) + c^2 K v_k, A = M + c D + c^2 K. K is the Tangent
 /// asked for, and D = a M + b K' with the warped stiffness K' where the step's force is linearised first: so damping
@@ -61,9 +67,7 @@ class StepEquation {
 
   /// Before a step with this c, s. A bar that is pulled straightens by the stress s, besides its stiffness in bending.
   /// One solve a step comes to rest if what the matrix leaves out of that is less than 4 M / c^2 and the stiffness
-  /// together, for each wave length; so if s is less than sqrt(4/3 rho E) thickness / c, a twist mode of s / 2. (Hung
-  /// by its weight, s = E / 5, 20 times longer than thick, it starts to move at the step that this says: `corotet
-  /// stress hang --tangent plain`.)
+  /// together, for each wave length; so if s is less than sqrt(4/3 rho E) thickness / c, a twist mode of s / 2.
   void prepare(const Body& body, Scalar c) {
     const Scalar before = evaluation_.twist.left();
     evaluation_.twist.leave(std::min(0.5, body.crossing_time() / double(c)));
