@@ -1,6 +1,7 @@
 // Whether a step has made energy out of nothing.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
@@ -36,10 +37,12 @@ class EnergyBalance {
 
   /// Before a step. `evaluated`: what the equation has evaluated last is the body's present displacement.
   void begin(const Body& body, const Equation& equation, bool evaluated) {
-    if (revision_ == body.revision())
+    if (revision_ == body.revision()) {
       elastic_ = elastic_after_;
-    else
+    } else {
       elastic_ = evaluated ? equation.worst().energy : elastic(body, body.displacements());
+      excess_ = 0;
+    }
   }
 
   /// After the solve, from `velocity_before` and the body's displacement to these. Kinetic energy is as seen from the
@@ -70,8 +73,9 @@ class EnergyBalance {
     kinetic_ = sums[1] - Eigen::Map<const Vec3<double>>(&sums[2]).squaredNorm() / (2 * body.mass().total());
   }
 
-  /// Once the body has moved and been evaluated: whether it has gained more than rounding explains, and in a step of
-  /// second order, whose error has either sign, more than `most_gain` of all its energy. The fields are those before.
+  /// Once the body has moved and been evaluated: whether it has gained more than rounding explains. In steps of second
+  /// order, whose error has either sign, all of them since a gain was last paid back, and more than `most_gain` of all
+  /// its energy. The fields are those before.
   template <Executor E>
   [[nodiscard]] bool is_upset(const Body& body, const StepFormula<Scalar>& formula,
                               const Field<Scalar>& displacement_before, const Field<Scalar>& velocity_before,
@@ -91,8 +95,12 @@ class EnergyBalance {
       gained -= static_cast<double>(pull.dot(body.displacements()[at(p)] - displacement_before[at(p)]));
     }
     const double stored = elastic_after_ + elastic_;
-    if (!(gained > (rounding + (formula.ahead ? most_gain : 0)) * (stored + kinetic_))) return false;
-    return gained > noise(stored, equation.position_rounding(body, formula.c, executor));
+    const bool second_order = formula.ahead.has_value();
+    if (second_order) gained = excess_ = std::max(0.0, excess_ + gained);
+    if (!(gained > (rounding + (second_order ? most_gain : 0)) * (stored + kinetic_))) return false;
+    if (!(gained > noise(stored, equation.position_rounding(body, formula.c, executor)))) return false;
+    excess_ = 0;
+    return true;
   }
 
   /// What rounding may add to an elastic energy, J: relative to itself, and by the forces on positions that are rounded
@@ -103,16 +111,16 @@ class EnergyBalance {
 
  private:
   static constexpr double rounding = 16 * static_cast<double>(std::numeric_limits<Scalar>::epsilon());
-  static constexpr double most_gain = 1e-3;
+  static constexpr double most_gain = 1e-4;
   /// The largest stress over mu from which on a gain counts. A stiff body that turns about a pinned axle stretches by
   /// (h w)^2 / 2 in each step, and is drawn back in the next: to solve that again would do no more than brake it.
-  static constexpr double least_stress = 0.2;
+  static constexpr double least_stress = 0.1;
 
   std::vector<double> scratch_;
   RangeSums<5> sums_;
   double vertices_;
-  double elastic_ = 0, elastic_after_ = 0, gained_ = 0, kinetic_ = 0;  // J
-  std::uint64_t revision_ = 0;                                         // of the body that has elastic_after_
+  double elastic_ = 0, elastic_after_ = 0, gained_ = 0, kinetic_ = 0, excess_ = 0;  // J
+  std::uint64_t revision_ = 0;  // of the body that has elastic_after_
 };
 
 }  // namespace corotet
