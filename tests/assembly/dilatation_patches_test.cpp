@@ -8,7 +8,7 @@
 
 #include "support/bodies.hpp"
 
-namespace corotet {
+namespace corotet::dilatation_patches_test {
 namespace {
 
 using testing::distorted_block;
@@ -132,4 +132,4 @@ TEST(DilatationPatches, WidenThePattern) {
 }
 
 }  // namespace
-}  // namespace corotet
+}  // namespace corotet::dilatation_patches_test

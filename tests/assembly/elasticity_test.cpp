@@ -12,7 +12,7 @@
 #include "support/bodies.hpp"
 #include "support/elastic_rig.hpp"
 
-namespace corotet {
+namespace corotet::elasticity_test {
 namespace {
 
 using testing::block;
@@ -358,4 +358,4 @@ TYPED_TEST(ElasticLaw, TheMatrixIsTheSumOverElements) {
 }
 
 }  // namespace
-}  // namespace corotet
+}  // namespace corotet::elasticity_test

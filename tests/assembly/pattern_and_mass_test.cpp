@@ -10,7 +10,7 @@
 
 #include "support/bodies.hpp"
 
-namespace corotet {
+namespace corotet::pattern_and_mass_test {
 namespace {
 
 template <class T>
@@ -94,4 +94,4 @@ TYPED_TEST(MassLaw, ConsistentMassHasTheExactKineticEnergyOfALinearField) {
 }
 
 }  // namespace
-}  // namespace corotet
+}  // namespace corotet::pattern_and_mass_test

@@ -9,7 +9,7 @@
 #include "support/bodies.hpp"
 #include "support/elastic_rig.hpp"
 
-namespace corotet {
+namespace corotet::tangent_test {
 namespace {
 
 using testing::Random;
@@ -213,4 +213,4 @@ TEST(Tangents, ExactIsTheHessianWithMeanDilatationToo) {
 }
 
 }  // namespace
-}  // namespace corotet
+}  // namespace corotet::tangent_test

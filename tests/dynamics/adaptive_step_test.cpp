@@ -11,7 +11,7 @@
 #include "support/floating_point_traps.hpp"
 #include "support/solver_instances.hpp"
 
-namespace corotet {
+namespace corotet::adaptive_step_test {
 namespace {
 
 using testing::must;
@@ -196,4 +196,4 @@ TYPED_TEST(Adaptive, StepsAllocateNothing) {
 }
 
 }  // namespace
-}  // namespace corotet
+}  // namespace corotet::adaptive_step_test

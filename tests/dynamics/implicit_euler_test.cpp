@@ -14,7 +14,7 @@
 #include "support/solver_choice.hpp"
 #include "support/solver_instances.hpp"
 
-namespace corotet {
+namespace corotet::implicit_euler_test {
 namespace {
 
 using testing::must;
@@ -428,4 +428,4 @@ TEST(SoftBody, RefusesBadMaterialsAndDampingByName) {
 }
 
 }  // namespace
-}  // namespace corotet
+}  // namespace corotet::implicit_euler_test

@@ -10,7 +10,7 @@
 #include "support/solver_choice.hpp"
 #include "support/solver_instances.hpp"
 
-namespace corotet {
+namespace corotet::long_steps_test {
 namespace {
 
 using testing::must;
@@ -91,4 +91,4 @@ TEST(CrossingTime, IsThatOfTheFastestMaterial) {
 }
 
 }  // namespace
-}  // namespace corotet
+}  // namespace corotet::long_steps_test

@@ -14,7 +14,7 @@
 #include "support/solver_choice.hpp"
 #include "support/solver_instances.hpp"
 
-namespace corotet {
+namespace corotet::newton_test {
 namespace {
 
 using testing::must;
@@ -311,4 +311,4 @@ TEST(LineSearch, GoesAsFarAsTheEnergyFalls) {
 }
 
 }  // namespace
-}  // namespace corotet
+}  // namespace corotet::newton_test

@@ -19,7 +19,7 @@
 #include "support/random_mesh.hpp"
 #include "support/solver_instances.hpp"
 
-namespace corotet {
+namespace corotet::random_steps_test {
 namespace {
 
 using testing::must;
@@ -31,7 +31,7 @@ SoftBody<Scalar, Element> random_body(Random& random) {
     return std::exp(random.uniform(std::log(low), std::log(high)));
   };
   const double size = logarithmic(0.01, 100);
-  const Vec3<double> shape(size, size * random.uniform(0.2, 1), size * random.uniform(0.2, 1));
+  const Vec3<double> shape{size, size * random.uniform(0.2, 1), size * random.uniform(0.2, 1)};
   auto mesh = must(TetMesh<Scalar, Element>::create(testing::random_mesh(
       random, static_cast<Index>(random.uniform(8, Element::order == 1 ? 40 : 16)), shape, Element::order)));
   std::vector<Material> materials;
@@ -185,4 +185,4 @@ TYPED_TEST(RandomSteps, EndFiniteAsReportedAndTheSameAgain) {
 }
 
 }  // namespace
-}  // namespace corotet
+}  // namespace corotet::random_steps_test

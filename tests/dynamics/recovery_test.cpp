@@ -10,7 +10,7 @@
 #include "support/bodies.hpp"
 #include "support/solver_instances.hpp"
 
-namespace corotet {
+namespace corotet::recovery_test {
 namespace {
 
 using testing::must;
@@ -79,4 +79,4 @@ TYPED_TEST(Recovery, DegenerateStartsReturnToRestWithTheSecondOrder) {
 }
 
 }  // namespace
-}  // namespace corotet
+}  // namespace corotet::recovery_test

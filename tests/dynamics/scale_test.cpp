@@ -10,7 +10,7 @@
 #include "support/bodies.hpp"
 #include "support/solver_instances.hpp"
 
-namespace corotet {
+namespace corotet::scale_test {
 namespace {
 
 using testing::must;
@@ -140,4 +140,4 @@ TYPED_TEST(Scale, ExtremeBodiesStepOrSayWhyNot) {
 }
 
 }  // namespace
-}  // namespace corotet
+}  // namespace corotet::scale_test

@@ -13,7 +13,7 @@
 #include "support/solver_choice.hpp"
 #include "support/solver_instances.hpp"
 
-namespace corotet {
+namespace corotet::second_order_test {
 namespace {
 
 using testing::must;
@@ -256,4 +256,4 @@ TYPED_TEST(Bdf2Motion, StartsAnewAfterTheStateWasSet) {
 }
 
 }  // namespace
-}  // namespace corotet
+}  // namespace corotet::second_order_test

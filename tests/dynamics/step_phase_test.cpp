@@ -11,15 +11,14 @@
 #include <limits>
 #include <vector>
 
+namespace corotet::step_phase_test {
 namespace {
 
-using corotet::StepPhase;
-using corotet::SystemEra;
-using Body = corotet::SoftBody<double>;
+using Body = SoftBody<double>;
 
 Body hanging_block() {
-  auto mesh = corotet::TetMesh<double>::create(corotet::make_block({.cells = {2, 2, 2}}).value());
-  Body body = Body::create(std::move(mesh).value(), corotet::Material{}).value();
+  auto mesh = TetMesh<double>::create(make_block({.cells = {2, 2, 2}}).value());
+  Body body = Body::create(std::move(mesh).value(), Material{}).value();
   body.pin_where([](const auto& x) { return x[0] < 1e-9; });
   body.set_gravity({0, 0, -9.81});
   return body;
@@ -27,8 +26,8 @@ Body hanging_block() {
 
 TEST(StepPhase, ObserverHearsEachPhaseOnceAndInOrder) {
   Body body = hanging_block();
-  corotet::ImplicitEuler<Body> integrator(body);
-  corotet::SerialExecutor serial;
+  ImplicitEuler<Body> integrator(body);
+  SerialExecutor serial;
   std::vector<StepPhase> heard;
   const std::vector<StepPhase> one_step{StepPhase::assembly, StepPhase::solve, StepPhase::update};
   std::vector<StepPhase> expected;
@@ -41,8 +40,8 @@ TEST(StepPhase, ObserverHearsEachPhaseOnceAndInOrder) {
 
 TEST(StepPhase, ObserverHearsNothingOfAStepThatIsRefusedAtTheDoor) {
   Body body = hanging_block();
-  corotet::ImplicitEuler<Body> integrator(body);
-  corotet::SerialExecutor serial;
+  ImplicitEuler<Body> integrator(body);
+  SerialExecutor serial;
   int calls = 0;
   const auto count = [&](StepPhase) { ++calls; };
   EXPECT_FALSE(integrator.step(body, std::numeric_limits<double>::quiet_NaN(), serial, count).accepted());
@@ -51,8 +50,8 @@ TEST(StepPhase, ObserverHearsNothingOfAStepThatIsRefusedAtTheDoor) {
 
 TEST(StepPhase, ObservingChangesNoBit) {
   Body observed = hanging_block(), alone = hanging_block();
-  corotet::ImplicitEuler<Body> first(observed), second(alone);
-  corotet::SerialExecutor serial;
+  ImplicitEuler<Body> first(observed), second(alone);
+  SerialExecutor serial;
   for (int step = 0; step < 5; ++step) {
     ASSERT_TRUE(first.step(observed, 0.01, serial, [](StepPhase) {}).ok());
     ASSERT_TRUE(second.step(alone, 0.01, serial).ok());
@@ -88,3 +87,4 @@ TEST(SystemEra, ChangesWithAllThatChangesTheMatrixButMotion) {
 }
 
 }  // namespace
+}  // namespace corotet::step_phase_test

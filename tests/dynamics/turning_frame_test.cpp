@@ -11,7 +11,7 @@
 #include "support/solver_choice.hpp"
 #include "support/solver_instances.hpp"
 
-namespace corotet {
+namespace corotet::turning_frame_test {
 namespace {
 
 using testing::must;
@@ -138,4 +138,4 @@ TYPED_TEST(Spin, IsForgottenOnceABodyIsPinned) {
 }
 
 }  // namespace
-}  // namespace corotet
+}  // namespace corotet::turning_frame_test

@@ -11,7 +11,7 @@
 #include "solve/step_matrices.hpp"
 #include "support/floating_point_traps.hpp"
 
-namespace corotet {
+namespace corotet::preconditioner_test {
 namespace {
 
 using testing::BeamSystem;
@@ -256,4 +256,4 @@ TEST(Renewal, FollowsErasAndWear) {
 }
 
 }  // namespace
-}  // namespace corotet
+}  // namespace corotet::preconditioner_test

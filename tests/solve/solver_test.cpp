@@ -11,7 +11,7 @@
 #include "support/floating_point_traps.hpp"
 #include "support/solver_instances.hpp"
 
-namespace corotet {
+namespace corotet::solver_test {
 namespace {
 
 using testing::BeamSystem;
@@ -238,4 +238,4 @@ TEST(BlockCholesky, WorksOnBlocksOfSix) {
 }
 
 }  // namespace
-}  // namespace corotet
+}  // namespace corotet::solver_test
