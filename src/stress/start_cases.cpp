@@ -53,7 +53,7 @@ Verdict recover_from_chaos(const Configuration& configuration, const Effort& eff
     const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
     trial.push([](Index) { return Vec3<double>::Zero().eval(); });
     trial.place([&](Index v) {
-      const Vec3<double> x(unit(), unit() / 2, unit() / 2);
+      const Vec3<double> x{unit(), unit() / 2, unit() / 2};  // in this order
       return at_left_end(trial.rest(v)) ? trial.rest(v) : x;
     });
     int quiet = 0;

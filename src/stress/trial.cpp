@@ -49,6 +49,7 @@ bool Trial::step() {
     return false;
   }
   if (!last_.converged) ++ledger_.unconverged;
+  if (last_.solve == SolveStatus::iteration_limit) ++ledger_.capped;
   if (!last_.newton_converged) ++ledger_.newton_unconverged;
   ledger_.most_iterations = std::max(ledger_.most_iterations, last_.iterations);
   return true;

@@ -13,6 +13,7 @@ namespace corotet::program::stress {
 struct Ledger {
   int steps = 0;
   int unconverged = 0;         ///< steps whose linear solver stopped before its tolerance, and said so
+  int capped = 0;              ///< of these, by its limit of iterations
   int newton_unconverged = 0;  ///< the same of Newton's method
   int most_iterations = 0;     ///< of the linear solver in a step
   std::string refusal;         ///< of the first step that was refused
@@ -20,6 +21,7 @@ struct Ledger {
   void add(const Ledger& other) {
     steps += other.steps;
     unconverged += other.unconverged;
+    capped += other.capped;
     newton_unconverged += other.newton_unconverged;
     most_iterations = std::max(most_iterations, other.most_iterations);
     if (refusal.empty()) refusal = other.refusal;
