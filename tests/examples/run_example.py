@@ -66,6 +66,19 @@ def linear_vs_corotated(program, folder):
         expect((Path(folder) / f"{name}.vtu").stat().st_size > 10000, f"{name}.vtu")
 
 
+def energies_from_random_starts(program, _):
+    rows = re.findall(r"^\| Tet4 \| ([^|]*) \|(.*)\|$", run(program, "5", "0", "Tet4"), re.MULTILINE)
+    expect([law for law, _ in rows] == ["this library, one solve", "corotated", "corotated, bounded pressure",
+                                       "fixed corotated", "stable neo-Hookean"], "five rows")
+    for law, cells in rows:
+        *counts, solves = (float(cell) for cell in cells.split("|"))
+        expect(sum(counts) == 5, f"{law}: each of five starts counted once")
+        if law == "this library, one solve":
+            expect(counts[0] == 5 and solves < 1.1, "all to come home at a ratio of 0, by one solve a step")
+        else:
+            expect(counts[0] >= 2 and solves > 1.5, f"{law}: some to come home, by Newton's method")
+
+
 def embedded_beam(program, folder):
     text = run(program, folder, "15")
     expect("46656 triangles on 23424 vertices, in 50 quadratic tetrahedra; 0 vertices outside" in text,
