@@ -54,7 +54,7 @@ Field<double> fall(const Configuration& configuration, const Vec3<double>& corne
 }
 
 Verdict far_away(const Configuration& configuration, double distance) {
-  Verdict verdict, of_controls;
+  Verdict verdict;
   const auto here = Vec3<double>::Zero().eval();
   const Vec3<double> there(distance, -0.7 * distance, 0.3 * distance);
   constexpr double gravity = 9.81;
@@ -66,9 +66,9 @@ Verdict far_away(const Configuration& configuration, double distance) {
   double rounding = 0;  // what the last bits of gravity make of themselves
   if (!configuration.in_double())
     for (const int bits : {-2, -1, 1, 2})
-      rounding = std::max(rounding, difference(fall(configuration, here, gravity * (1 + bits * 0x1p-23), of_controls)));
-  verdict.at_most("difference from the same at the origin", difference(far), std::max(1e-4, 2 * rounding));
-  verdict.note("at the origin, gravity changed by its last bits", rounding);
+      rounding = std::max(rounding, difference(fall(configuration, here, gravity * (1 + bits * 0x1p-23), verdict)));
+  verdict.at_most("difference from the same at the origin", difference(far), std::clamp(2 * rounding, 1e-4, 1e-3));
+  if (!configuration.in_double()) verdict.note("at the origin, gravity changed by its last bits", rounding);
   return verdict;
 }
 
@@ -119,11 +119,11 @@ void add_scale_cases(std::vector<Case>& cases) {
                      h < 1e-4 ? Solvers::two : Solvers::all, ratios(h < 1e-4 ? Ratios::three : Ratios::all),
                      [h = h](const Configuration& c, const Effort&) { return settle(c, h); }});
   for (const auto& [text, distance] : {std::pair{"1e4", 1e4}, std::pair{"1e6", 1e6}})
-    cases.push_back(
-        {fmt::format("far-{}", text), fmt::format("bar swings for 1 s at {} m from the origin", text),
-         "the displacement at the origin within 1e-4 of it; float: or twice what the last bits of gravity change",
-         Solvers::all, ratios(Ratios::all),
-         [distance = distance](const Configuration& c, const Effort&) { return far_away(c, distance); }});
+    cases.push_back({fmt::format("far-{}", text), fmt::format("bar swings for 1 s at {} m from the origin", text),
+                     "the displacement at the origin within 1e-4 of it; float: or twice what the last bits of gravity "
+                     "change, and 1e-3 at most",
+                     Solvers::all, ratios(Ratios::all),
+                     [distance = distance](const Configuration& c, const Effort&) { return far_away(c, distance); }});
   cases.push_back({"sizes", "bar swings for 60 steps: 1 mm and 1 km, E 1e2 and 1e12 Pa, 0.1 and 1e5 kg/m^3",
                    "the displacement of the bar of 1 m, 5e5 Pa, 1000 kg/m^3 within 1e-4 of it, in proportion; "
                    "float: or 60 roundings times lambda / mu",

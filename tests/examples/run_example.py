@@ -67,16 +67,16 @@ def linear_vs_corotated(program, folder):
 
 
 def energies_from_random_starts(program, _):
-    rows = re.findall(r"^\| Tet4 \| ([^|]*) \|(.*)\|$", run(program, "5", "0", "Tet4"), re.MULTILINE)
+    rows = re.findall(r"^\| Tet4 \| ([^|]*) \|(.*)\|$", run(program, "5", "0.3", "Tet4"), re.MULTILINE)
     expect([law for law, _ in rows] == ["this library, one solve", "corotated", "corotated, bounded pressure",
                                        "fixed corotated", "stable neo-Hookean"], "five rows")
     for law, cells in rows:
         *counts, solves = (float(cell) for cell in cells.split("|"))
         expect(sum(counts) == 5, f"{law}: each of five starts counted once")
         if law == "this library, one solve":
-            expect(counts[0] == 5 and solves < 1.1, "all to come home at a ratio of 0, by one solve a step")
+            expect(counts[0] >= 2 and solves < 1.1, "some to come home by one solve a step")
         else:
-            expect(counts[0] >= 2 and solves > 1.5, f"{law}: some to come home, by Newton's method")
+            expect(counts[0] >= 3 and solves > 1.5, f"{law}: most to come home, by Newton's method")
 
 
 def embedded_beam(program, folder):

@@ -37,12 +37,10 @@ class EnergyBalance {
 
   /// Before a step. `evaluated`: what the equation has evaluated last is the body's present displacement.
   void begin(const Body& body, const Equation& equation, bool evaluated) {
-    if (revision_ == body.revision()) {
+    if (revision_ == body.revision())
       elastic_ = elastic_after_;
-    } else {
+    else
       elastic_ = evaluated ? equation.worst().energy : elastic(body, body.displacements());
-      excess_ = 0;
-    }
   }
 
   /// After the solve, from `velocity_before` and the body's displacement to these. Kinetic energy is as seen from the
@@ -73,9 +71,10 @@ class EnergyBalance {
     kinetic_ = sums[1] - Eigen::Map<const Vec3<double>>(&sums[2]).squaredNorm() / (2 * body.mass().total());
   }
 
-  /// Once the body has moved and been evaluated: whether it has gained more than rounding explains. In steps of second
-  /// order, whose error has either sign, all of them since a gain was last paid back, and more than `most_gain` of all
-  /// its energy. The fields are those before.
+  /// Once the body has moved and been evaluated: whether it has gained more than rounding explains. The error of steps
+  /// of second order has either sign: what they gain is summed until it is paid back, or forgotten after one of
+  /// backward Euler, and may be `most_gain` of the elastic energy before and after and the kinetic one about the mean
+  /// motion. The fields are those before.
   template <Executor E>
   [[nodiscard]] bool is_upset(const Body& body, const StepFormula<Scalar>& formula,
                               const Field<Scalar>& displacement_before, const Field<Scalar>& velocity_before,
@@ -83,6 +82,8 @@ class EnergyBalance {
     const DeformationExtremes worst = equation.worst();
     elastic_after_ = worst.energy;
     revision_ = body.revision();
+    const bool second_order = formula.ahead.has_value();
+    if (!second_order) excess_ = 0;
     if (worst.largest_stress2 < least_stress * least_stress) return false;
     double gained = gained_ + elastic_after_ - elastic_;
     for (const Index p : body.pins().vertices()) {  // the work of what leads them
@@ -95,12 +96,9 @@ class EnergyBalance {
       gained -= static_cast<double>(pull.dot(body.displacements()[at(p)] - displacement_before[at(p)]));
     }
     const double stored = elastic_after_ + elastic_;
-    const bool second_order = formula.ahead.has_value();
     if (second_order) gained = excess_ = std::max(0.0, excess_ + gained);
     if (!(gained > (rounding + (second_order ? most_gain : 0)) * (stored + kinetic_))) return false;
-    if (!(gained > noise(stored, equation.position_rounding(body, formula.c, executor)))) return false;
-    excess_ = 0;
-    return true;
+    return gained > noise(stored, equation.position_rounding(body, formula.c, executor));
   }
 
   /// What rounding may add to an elastic energy, J: relative to itself, and by the forces on positions that are rounded

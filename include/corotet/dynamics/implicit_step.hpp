@@ -75,8 +75,7 @@ class ImplicitStep {
       again = advance(body, backward_euler(body, formula.h), executor, observer);
     } else {
       observer(StepPhase::assembly);
-      constexpr int most = 8;  // backward Euler gains nothing long before it has converged
-      again = attempt(body, formula, most, free, executor, observer);
+      again = attempt(body, formula, 8, free, executor, observer);  // gains nothing long before it has converged
     }
     if (!again.accepted()) {  // what there was is better than nothing
       if (free) enter_frame(body, wanted, executor);
@@ -124,7 +123,7 @@ class ImplicitStep {
           equation_.evaluate(body, displacement_, executor);
         continue;
       }
-      if (status != SolveStatus::converged) report.solve = status;
+      if (status != SolveStatus::converged && report.solve != SolveStatus::iteration_limit) report.solve = status;
       if (status == SolveStatus::breakdown) return refused(report, Refusal::solver_breakdown);
       if (status == SolveStatus::invalid_options) return refused(report, Refusal::solver_options);
       ++report.newton_iterations;
@@ -160,11 +159,13 @@ class ImplicitStep {
       if (!done) observer(StepPhase::assembly);
     }
 
-    if (balances(most))
-      balance_.solved(body, equation_, formula.ahead ? body.velocities() : formula.velocity, displacement_, velocity_,
-                      executor);
+    const auto weigh = [&](const Field<Scalar>& before) {
+      if (balances(most)) balance_.solved(body, equation_, before, displacement_, velocity_, executor);
+    };
+    if (!formula.ahead) weigh(formula.velocity);  // in the frame in which it was solved
     if (free && !frame_.leave(body, formula.c, displacement_, velocity_, executor))
       return refused(report, Refusal::overflow);
+    if (formula.ahead) weigh(body.velocities());  // with what the projection of momenta gives
     body.swap_state(displacement_, velocity_);
     if (newton && !projected && !free) equation_.adopt(body);
     equation_.project_twist(false);

@@ -33,9 +33,10 @@ enum class Distrust : std::uint8_t {
 /// refused it; if AdaptiveStep did, it is of the state that was thrown away.
 struct StepReport {
   Refusal refusal = Refusal::none;
-  Index vertex = -1;                           ///< the culprit, where `refusal` names one
-  bool converged = true;                       ///< each linear solve reached its tolerance
-  SolveStatus solve = SolveStatus::converged;  ///< how the last linear solve ended that did not converge
+  Index vertex = -1;      ///< the culprit, where `refusal` names one
+  bool converged = true;  ///< each linear solve reached its tolerance
+  SolveStatus solve =
+      SolveStatus::converged;    ///< how the last linear solve ended that did not converge, or the last at its limit
   int iterations = 0;            ///< of conjugate gradients, or corrections of a direct solution, all solves together
   double residual = 0;           ///< relative residual of the linear solve, the worst
   int newton_iterations = 0;     ///< linear solves
