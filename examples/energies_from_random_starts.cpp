@@ -20,6 +20,7 @@
 #include <corotet/corotet.hpp>
 #include <cstdio>
 #include <cstdlib>
+#include <initializer_list>
 #include <random>
 #include <string_view>
 #include <vector>
@@ -46,65 +47,84 @@ Mat3<double> nearest_rotation(const Mat3<double>& f) {
   return u * svd.matrixV().transpose();
 }
 
-// An energy density, J/m^3, and its derivative by F, Pa.
+class Law {
+ public:
+  const char* const name;
 
-struct Corotated {
-  static constexpr const char* name = "corotated";
-  double mu, lambda;
-  [[nodiscard]] double energy(const Mat3<double>& f) const {
+  Law(const char* law, double lame_mu, double lame_lambda) : name(law), mu(lame_mu), lambda(lame_lambda) {}
+  virtual ~Law() = default;
+  Law(const Law&) = delete;
+  Law& operator=(const Law&) = delete;
+
+  [[nodiscard]] virtual double energy(const Mat3<double>& f) const = 0;        ///< density, J/m^3
+  [[nodiscard]] virtual Mat3<double> stress(const Mat3<double>& f) const = 0;  ///< its derivative by F, Pa
+
+ protected:
+  double mu, lambda;  // Pa
+};
+
+class Corotated final : public Law {
+ public:
+  Corotated(double lame_mu, double lame_lambda) : Law("corotated", lame_mu, lame_lambda) {}
+  [[nodiscard]] double energy(const Mat3<double>& f) const override {
     const Mat3<double> r = nearest_rotation(f);
     const double trace = (r.transpose() * f).trace() - 3;
     return mu * (f - r).squaredNorm() + lambda / 2 * trace * trace;
   }
-  [[nodiscard]] Mat3<double> stress(const Mat3<double>& f) const {
+  [[nodiscard]] Mat3<double> stress(const Mat3<double>& f) const override {
     const Mat3<double> r = nearest_rotation(f);
     return 2 * mu * (f - r) + lambda * ((r.transpose() * f).trace() - 3) * r;
   }
 };
 
-struct BoundedPressure {
-  static constexpr const char* name = "corotated, bounded pressure";
-  double mu, lambda;
-  [[nodiscard]] double bounded(double trace) const {
-    const double most = 0.15 * mu / std::max(lambda, 1e-9 * mu);
-    return std::clamp(trace, -most, most);
-  }
-  [[nodiscard]] double energy(const Mat3<double>& f) const {
+class BoundedPressure final : public Law {
+ public:
+  BoundedPressure(double lame_mu, double lame_lambda) : Law("corotated, bounded pressure", lame_mu, lame_lambda) {}
+  [[nodiscard]] double energy(const Mat3<double>& f) const override {
     const Mat3<double> r = nearest_rotation(f);
     const double trace = (r.transpose() * f).trace() - 3, part = bounded(trace);
     return mu * (f - r).squaredNorm() + lambda * part * (trace - part / 2);
   }
-  [[nodiscard]] Mat3<double> stress(const Mat3<double>& f) const {
+  [[nodiscard]] Mat3<double> stress(const Mat3<double>& f) const override {
     const Mat3<double> r = nearest_rotation(f);
     return 2 * mu * (f - r) + lambda * bounded((r.transpose() * f).trace() - 3) * r;
   }
+
+ private:
+  [[nodiscard]] double bounded(double trace) const {
+    const double most = 0.15 * mu / std::max(lambda, 1e-9 * mu);
+    return std::clamp(trace, -most, most);
+  }
 };
 
-struct FixedCorotated {
-  static constexpr const char* name = "fixed corotated";
-  double mu, lambda;
-  [[nodiscard]] double energy(const Mat3<double>& f) const {
+class FixedCorotated final : public Law {
+ public:
+  FixedCorotated(double lame_mu, double lame_lambda) : Law("fixed corotated", lame_mu, lame_lambda) {}
+  [[nodiscard]] double energy(const Mat3<double>& f) const override {
     const double growth = f.determinant() - 1;
     return mu * (f - nearest_rotation(f)).squaredNorm() + lambda / 2 * growth * growth;
   }
-  [[nodiscard]] Mat3<double> stress(const Mat3<double>& f) const {
+  [[nodiscard]] Mat3<double> stress(const Mat3<double>& f) const override {
     return 2 * mu * (f - nearest_rotation(f)) + lambda * (f.determinant() - 1) * cofactor(f);
   }
 };
 
 /// With its own mu and lambda, for the same small strains.
-struct NeoHookean {
-  static constexpr const char* name = "stable neo-Hookean";
-  double mu, lambda, rest_growth;
+class NeoHookean final : public Law {
+ public:
   NeoHookean(double lame_mu, double lame_lambda)
-      : mu(4 * lame_mu / 3), lambda(lame_lambda + 5 * lame_mu / 6), rest_growth(1 + 3 * mu / (4 * lambda)) {}
-  [[nodiscard]] double energy(const Mat3<double>& f) const {
+      : Law("stable neo-Hookean", 4 * lame_mu / 3, lame_lambda + 5 * lame_mu / 6),
+        rest_growth(1 + 3 * mu / (4 * lambda)) {}
+  [[nodiscard]] double energy(const Mat3<double>& f) const override {
     const double square = f.squaredNorm(), growth = f.determinant() - rest_growth;
     return mu / 2 * (square - 3 - std::log((square + 1) / 4)) + lambda / 2 * growth * growth;
   }
-  [[nodiscard]] Mat3<double> stress(const Mat3<double>& f) const {
+  [[nodiscard]] Mat3<double> stress(const Mat3<double>& f) const override {
     return mu * (1 - 1 / (f.squaredNorm() + 1)) * f + lambda * (f.determinant() - rest_growth) * cofactor(f);
   }
+
+ private:
+  double rest_growth;  // J where the second term vanishes
 };
 
 /// A block with its left end held, and where it starts from.
@@ -186,7 +206,7 @@ struct Point {
 };
 
 /// Backward Euler by Newton's method, dense: for small bodies and any law.
-template <class Element, class Law>
+template <class Element>
 class NewtonBody {
  public:
   NewtonBody(const Problem<Element>& problem, const Law& law)
@@ -306,7 +326,7 @@ class NewtonBody {
   }
 
   const Problem<Element>& problem_;
-  Law law_;
+  const Law& law_;
   int free_ = 0;
   std::vector<int> slot_;  // of a free vertex among the unknowns, -1 of one that is held
   std::vector<double> mass_;
@@ -335,24 +355,22 @@ void library(const char* element, const Problem<Element>& problem, int starts, i
   tally.print(element, "this library, one solve");
 }
 
-template <class Law, class Element>
-void newton(const char* element, const Problem<Element>& problem, int starts, int steps) {
-  const auto [lambda, mu] = lame(problem.material);
-  NewtonBody<Element, Law> body(problem, Law{mu, lambda});
-  Tally tally;
-  for (int seed = 1; seed <= starts; ++seed) body.run(problem.start(static_cast<unsigned>(seed)), steps, tally);
-  tally.print(element, Law::name);
-}
-
 template <class Element>
 void all(const char* element, int starts, double poisson) {
   constexpr int steps = 1200;
   const Problem<Element> problem(poisson);
   library(element, problem, starts, steps);
-  newton<Corotated>(element, problem, starts, steps);
-  newton<BoundedPressure>(element, problem, starts, steps);
-  newton<FixedCorotated>(element, problem, starts, steps);
-  newton<NeoHookean>(element, problem, starts, steps);
+  const auto [lambda, mu] = lame(problem.material);
+  const Corotated corotated(mu, lambda);
+  const BoundedPressure bounded(mu, lambda);
+  const FixedCorotated fixed(mu, lambda);
+  const NeoHookean neo_hookean(mu, lambda);
+  for (const Law* law : std::initializer_list<const Law*>{&corotated, &bounded, &fixed, &neo_hookean}) {
+    NewtonBody<Element> body(problem, *law);
+    Tally tally;
+    for (int seed = 1; seed <= starts; ++seed) body.run(problem.start(static_cast<unsigned>(seed)), steps, tally);
+    tally.print(element, law->name);
+  }
 }
 
 }  // namespace
