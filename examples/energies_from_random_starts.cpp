@@ -114,17 +114,17 @@ class NeoHookean final : public Law {
  public:
   NeoHookean(double lame_mu, double lame_lambda)
       : Law("stable neo-Hookean", 4 * lame_mu / 3, lame_lambda + 5 * lame_mu / 6),
-        rest_growth(1 + 3 * mu / (4 * lambda)) {}
+        rest_growth_(1 + 3 * mu / (4 * lambda)) {}
   [[nodiscard]] double energy(const Mat3<double>& f) const override {
-    const double square = f.squaredNorm(), growth = f.determinant() - rest_growth;
+    const double square = f.squaredNorm(), growth = f.determinant() - rest_growth_;
     return mu / 2 * (square - 3 - std::log((square + 1) / 4)) + lambda / 2 * growth * growth;
   }
   [[nodiscard]] Mat3<double> stress(const Mat3<double>& f) const override {
-    return mu * (1 - 1 / (f.squaredNorm() + 1)) * f + lambda * (f.determinant() - rest_growth) * cofactor(f);
+    return mu * (1 - 1 / (f.squaredNorm() + 1)) * f + lambda * (f.determinant() - rest_growth_) * cofactor(f);
   }
 
  private:
-  double rest_growth;  // J where the second term vanishes
+  double rest_growth_;  // J where the second term vanishes
 };
 
 /// A block with its left end held, and where it starts from.
