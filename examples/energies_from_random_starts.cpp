@@ -21,6 +21,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <initializer_list>
+#include <limits>
 #include <random>
 #include <string_view>
 #include <vector>
@@ -63,38 +64,36 @@ class Law {
   double mu, lambda;  // Pa
 };
 
-class Corotated final : public Law {
+/// `largest_pressure`: |lambda tr(S - I)| up to which the second term is quadratic, Pa.
+class Corotated : public Law {
  public:
-  Corotated(double lame_mu, double lame_lambda) : Law("corotated", lame_mu, lame_lambda) {}
+  Corotated(double lame_mu, double lame_lambda)
+      : Corotated("corotated", lame_mu, lame_lambda, std::numeric_limits<double>::infinity()) {}
+  Corotated(const char* law, double lame_mu, double lame_lambda, double largest_pressure)
+      : Law(law, lame_mu, lame_lambda), largest_(largest_pressure / std::max(lambda, 1e-9 * mu)) {}
   [[nodiscard]] double energy(const Mat3<double>& f) const override {
     const Mat3<double> r = nearest_rotation(f);
-    const double trace = (r.transpose() * f).trace() - 3;
-    return mu * (f - r).squaredNorm() + lambda / 2 * trace * trace;
+    const double growth = trace(r, f), part = bounded(growth);
+    return mu * (f - r).squaredNorm() + lambda * part * (growth - part / 2);
   }
   [[nodiscard]] Mat3<double> stress(const Mat3<double>& f) const override {
     const Mat3<double> r = nearest_rotation(f);
-    return 2 * mu * (f - r) + lambda * ((r.transpose() * f).trace() - 3) * r;
-  }
-};
-
-class BoundedPressure final : public Law {
- public:
-  BoundedPressure(double lame_mu, double lame_lambda) : Law("corotated, bounded pressure", lame_mu, lame_lambda) {}
-  [[nodiscard]] double energy(const Mat3<double>& f) const override {
-    const Mat3<double> r = nearest_rotation(f);
-    const double trace = (r.transpose() * f).trace() - 3, part = bounded(trace);
-    return mu * (f - r).squaredNorm() + lambda * part * (trace - part / 2);
-  }
-  [[nodiscard]] Mat3<double> stress(const Mat3<double>& f) const override {
-    const Mat3<double> r = nearest_rotation(f);
-    return 2 * mu * (f - r) + lambda * bounded((r.transpose() * f).trace() - 3) * r;
+    return 2 * mu * (f - r) + lambda * bounded(trace(r, f)) * r;
   }
 
  private:
-  [[nodiscard]] double bounded(double trace) const {
-    const double most = 0.15 * mu / std::max(lambda, 1e-9 * mu);
-    return std::clamp(trace, -most, most);
+  [[nodiscard]] static double trace(const Mat3<double>& r, const Mat3<double>& f) {
+    return (r.transpose() * f).trace() - 3;
   }
+  [[nodiscard]] double bounded(double growth) const { return std::clamp(growth, -largest_, largest_); }
+
+  double largest_;  // tr(S - I)
+};
+
+class BoundedPressure final : public Corotated {
+ public:
+  BoundedPressure(double lame_mu, double lame_lambda)
+      : Corotated("corotated, bounded pressure", lame_mu, lame_lambda, 0.15 * lame_mu) {}
 };
 
 class FixedCorotated final : public Law {
@@ -222,9 +221,9 @@ class NewtonBody {
         const Mat3<double> to_space =
             jacobian(natural, [&](std::size_t a) { return problem.mesh.node_position(e, a); });
         Point<Element> point{e, {}, Element::stiffness_points[q].weight * to_space.determinant()};
+        const Mat3<double> to_natural = to_space.transpose().inverse();
         for (int a = 0; a < Element::nodes; ++a)
-          point.gradient.col(a) =
-              to_space.transpose().inverse() * Eigen::Map<const Vec3<double>>(natural[at(a)].data());
+          point.gradient.col(a) = to_natural * Eigen::Map<const Vec3<double>>(natural[at(a)].data());
         points_.push_back(point);
       }
   }

@@ -103,7 +103,7 @@ Verdict lead(const Configuration& configuration, int steps, double turns) {
   const Scene scene = configuration.settling_scene();
   Trial trial(scene, twisted_bar(configuration.order));
   trial.pin(at_left_end);
-  const auto right = trial.pin([](const Vec3<double>& x) { return x.x() > 1 - 1e-9; });
+  const auto right = trial.pin(at_right_end);
   int inverted = 0;
   for (int i = 1; i <= steps; ++i) {
     const double t = 2 * std::numbers::pi * i / steps;

@@ -16,8 +16,6 @@ namespace {
 
 const Ratio ratio_0{"nu=0", 0, Dilatation::per_element}, ratio_3{"nu=.3", 0.3, Dilatation::per_element};
 
-bool at_right_end(const Vec3<double>& x) { return x.x() > 1 - 1e-9; }
-
 Verdict hold_stretched(const Configuration& configuration, double stretch) {
   Trial trial(configuration.settling_scene(), bar(configuration.order));
   trial.pin(at_left_end);

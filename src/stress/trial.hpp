@@ -81,5 +81,6 @@ class Trial {
 [[nodiscard]] MeshData twisted_bar(int order);
 
 [[nodiscard]] inline bool at_left_end(const Vec3<double>& x) { return x.x() < 1e-9; }
+[[nodiscard]] inline bool at_right_end(const Vec3<double>& x) { return x.x() > 1 - 1e-9; }
 
 }  // namespace corotet::program::stress

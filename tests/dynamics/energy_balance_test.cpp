@@ -32,14 +32,14 @@ class Energy : public ::testing::Test {
   template <class Integrator>
   static double rise(Body body, const NewtonOptions& newton) {
     Integrator integrator(body, testing::solver(), newton);
-    double least = testing::energy(body), most = 0, scale = 0;
+    testing::EnergyWatch watch(body);
+    double scale = 0;
     for (int step = 0; step < 300; ++step) {
       EXPECT_TRUE(integrator.step(body, h).accepted());
       scale = std::max(scale, testing::kinetic_energy(body));
-      most = std::max(most, testing::energy(body) - least);
-      least = std::min(least, testing::energy(body));
+      watch.see(body);
     }
-    return most / scale;
+    return watch.rise() / scale;
   }
 };
 TYPED_TEST_SUITE(Energy, testing::AllCases);
@@ -145,14 +145,13 @@ TYPED_TEST(Energy, OfAFreeBodyThatSpinsAndBendsHardlyRisesWithTheSecondOrder) {
   const auto rise_of = [&](const NewtonOptions& newton) {
     auto copy = body;
     Bdf2 bdf2(copy, testing::solver(), newton);
-    double least = testing::energy(copy), most = 0;
-    const double scale = least;
+    testing::EnergyWatch watch(copy);
+    const double scale = watch.least();
     for (int step = 0; step < 300; ++step) {
       EXPECT_TRUE(bdf2.step(copy, this->h).accepted());
-      most = std::max(most, testing::energy(copy) - least);
-      least = std::min(least, testing::energy(copy));
+      watch.see(copy);
     }
-    return most / scale;
+    return watch.rise() / scale;
   };
   const double bounded = rise_of({}), left = rise_of({.bounds_energy = false});
   std::printf("free bar, rise of the energy: %.2g bounded, %.2g else\n", bounded, left);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/soft_body.hpp>
 #include <corotet/mesh/make_block.hpp>
@@ -112,6 +113,24 @@ double energy(const Body& body) {
     sum -= double(body.mass().row_sum(v)) * double(body.displacements()[at(v)].dot(body.gravity()));
   return sum;
 }
+
+/// How far a body's energy has ever risen above its least before, J.
+class EnergyWatch {
+ public:
+  template <class Body>
+  explicit EnergyWatch(const Body& body) : least_(energy(body)) {}
+  template <class Body>
+  void see(const Body& body) {
+    const double now = energy(body);
+    rise_ = std::max(rise_, now - least_);
+    least_ = std::min(least_, now);
+  }
+  [[nodiscard]] double rise() const { return rise_; }
+  [[nodiscard]] double least() const { return least_; }
+
+ private:
+  double rise_ = 0, least_;
+};
 
 /// About the centre of mass, kg m^2/s.
 template <class Body>
