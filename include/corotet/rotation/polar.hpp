@@ -61,6 +61,9 @@ struct Polar {
     const L kappa = L(Scalar(0.5)) * (lambda * lambda - b2);
     const L zeta = kappa * lambda - det;
     sure = sure & (zeta > L(smallest_zeta<Scalar>()) * b2 * bound);
+    // 2 (s2+s3) is by how much tr(R^T B) is larger than with the next stationary rotation, and (s1+s2)(s3+s1) is
+    // s1^2 + kappa: the choice must be clear.
+    sure = sure & (L(2) * zeta > L(clear_choice(unit)) * scale * (b2 + kappa));
     const L inverse_zeta = L(1) / select(sure, zeta, L(1));
     Mat3Lanes<Scalar> btb;
     for (int i = 0; i < 3; ++i)

@@ -50,15 +50,33 @@ template <std::floating_point Scalar>
   return vectors;
 }
 
-/// A unit eigenvector of the largest eigenvalue.
+/// One of the four unit eigenvectors of Davenport's matrix K (see there), and how far its eigenvalue is from the
+/// others: that of the largest eigenvalue, or the one nearest to a unit quaternion.
 template <std::floating_point Scalar>
-[[nodiscard]] Eigen::Matrix<Scalar, 4, 1> dominant_eigenvector(Eigen::Matrix<Scalar, 4, 4> k) {
-  const Eigen::Matrix<Scalar, 4, 4> vectors = diagonalise<Scalar>(k);
-  int largest = 0;
-  for (int i = 1; i < 4; ++i)
-    if (k(i, i) > k(largest, largest)) largest = i;
-  return vectors.col(largest).normalized();
-}
+struct StationaryRotation {
+  Eigen::Matrix<Scalar, 4, 1> quaternion;
+  Scalar gap = std::numeric_limits<Scalar>::infinity();
+
+  explicit StationaryRotation(Eigen::Matrix<Scalar, 4, 4> k) {
+    const Eigen::Matrix<Scalar, 4, 4> vectors = diagonalise<Scalar>(k);
+    Eigen::Index largest = 0;
+    k.diagonal().maxCoeff(&largest);
+    set(k, vectors, largest);
+  }
+  StationaryRotation(Eigen::Matrix<Scalar, 4, 4> k, const Eigen::Matrix<Scalar, 4, 1>& near) {
+    const Eigen::Matrix<Scalar, 4, 4> vectors = diagonalise<Scalar>(k);
+    Eigen::Index nearest = 0;
+    (vectors.transpose() * near).cwiseAbs().maxCoeff(&nearest);
+    set(k, vectors, nearest);
+  }
+
+ private:
+  void set(const Eigen::Matrix<Scalar, 4, 4>& values, const Eigen::Matrix<Scalar, 4, 4>& vectors, Eigen::Index which) {
+    quaternion = vectors.col(which).normalized();
+    for (Eigen::Index i = 0; i < 4; ++i)
+      if (i != which) gap = std::min(gap, std::abs(values(i, i) - values(which, which)));
+  }
+};
 
 /// Entries of order one times 2^exponent.
 template <std::floating_point Scalar>
@@ -95,13 +113,33 @@ template <std::floating_point Scalar>
   return 256 * std::numeric_limits<Scalar>::epsilon() * unit;
 }
 
+/// By how much tr(R^T F) must differ between stationary rotations, those for which R^T F is symmetric, for the choice
+/// between them to be clear; `unit` as above. Less is decided by what leads a body that starts collapsed or mirrored
+/// home: all its elements turn the same way, and it unfolds. By rounding, or by what little a start is off, each would
+/// turn its own way, and they lock.
+template <std::floating_point Scalar>
+[[nodiscard]] constexpr Scalar clear_choice(Scalar unit) {
+  return Scalar(0.008) * unit;
+}
+
+namespace detail {
+
+/// How much to prefer one of two rotations between which tr(R^T F) differs by `gap`: nothing at `clear`, so that
+/// nothing jumps there, and `most` where they are equal.
+template <std::floating_point Scalar>
+[[nodiscard]] Scalar preference(Scalar gap, Scalar clear, Scalar most) {
+  const Scalar unclear = std::max(Scalar(0), 1 - gap / clear);
+  return unclear * unclear * most;
+}
+
+}  // namespace detail
+
 /// R = argmax tr(R^T F) over rotations, by the dominant eigenvector of Davenport's 4x4 matrix, which is a unit
 /// quaternion (Horn 1987, section 4). Never a reflection; for a non-finite F, the identity.
 ///
 /// Where several rotations are equally near (a point, a line, some mirror images) it returns one of them. With
-/// `unit` > 0, see rounding_of_entries, that is the one that turns least, also where rounding would choose another, and
-/// of half turns those about x rather than y rather than z. So all elements of a body that starts collapsed or mirrored
-/// turn the same way, and it unfolds; by rounding each would turn its own way, and they lock.
+/// `unit` > 0, see rounding_of_entries, it prefers, where the choice is not clear, those that turn less, and of half
+/// turns those about x to y to z: R^T F is then symmetric to three thousandths of `unit`.
 template <std::floating_point Scalar>
 [[nodiscard]] Mat3<Scalar> polar_robust(const Mat3<Scalar>& f, Scalar unit = 0) {
   const Scalar largest = f.cwiseAbs().maxCoeff();
@@ -110,16 +148,19 @@ template <std::floating_point Scalar>
   int exponent = 0;
   std::frexp(largest, &exponent);
   Eigen::Matrix<Scalar, 4, 4> k = detail::davenport<Scalar>(detail::scaled<Scalar>(f, exponent));
-  if (unit > 0) {
-    const Scalar preference = std::ldexp(rounding_of_entries(std::max(unit, largest)), -exponent);
+  detail::StationaryRotation<Scalar> nearest(k);
+  const Scalar clear = std::ldexp(clear_choice(std::max(unit, largest)), -exponent);
+  if (unit > 0 && nearest.gap < clear) {
+    const Scalar preference = detail::preference(nearest.gap, clear, clear / 8);
     for (int i = 0; i < 3; ++i) k(i, i) += static_cast<Scalar>(4 >> i) * preference;  // 4: F + preference I
+    nearest = detail::StationaryRotation<Scalar>(k);
   }
-  return detail::rotation_of<Scalar>(detail::dominant_eigenvector<Scalar>(k));
+  return detail::rotation_of<Scalar>(nearest.quaternion);
 }
 
 /// Of the four rotations for which R^T F is symmetric, that is for which tr(R^T F) is stationary, the one that is
-/// nearest to another rotation: the eigenvectors of Davenport's matrix are those four. Where rounding would choose
-/// (see rounding_of_entries), it is `near` itself; for a non-finite F too.
+/// nearest to another rotation: the eigenvectors of Davenport's matrix are those four. Where it is not clear which
+/// rotations these are (clear_choice), those nearer to `near` are preferred; for a non-finite F it is `near` itself.
 template <std::floating_point Scalar>
 [[nodiscard]] Mat3<Scalar> polar_near(const Mat3<Scalar>& f, const Mat3<Scalar>& near, Scalar unit) {
   const Scalar largest = f.cwiseAbs().maxCoeff();
@@ -129,12 +170,11 @@ template <std::floating_point Scalar>
   const Eigen::Quaternion<Scalar> turn(near);
   const Eigen::Matrix<Scalar, 4, 1> q(turn.w(), turn.x(), turn.y(), turn.z());
   Eigen::Matrix<Scalar, 4, 4> k = detail::davenport<Scalar>(detail::scaled<Scalar>(f, exponent));
-  k += std::ldexp(4 * rounding_of_entries(std::max(unit, largest)), -exponent) * q * q.transpose();
-  const Eigen::Matrix<Scalar, 4, 4> vectors = detail::diagonalise<Scalar>(k);
-  int nearest = 0;
-  for (int i = 1; i < 4; ++i)
-    if (std::abs(vectors.col(i).dot(q)) > std::abs(vectors.col(nearest).dot(q))) nearest = i;
-  return detail::rotation_of<Scalar>(vectors.col(nearest).normalized());
+  const detail::StationaryRotation<Scalar> stationary(k, q);
+  const Scalar clear = std::ldexp(clear_choice(std::max(unit, largest)), -exponent);
+  if (!(stationary.gap < clear)) return detail::rotation_of<Scalar>(stationary.quaternion);
+  k += detail::preference(stationary.gap, clear, clear / 20) * q * q.transpose();
+  return detail::rotation_of<Scalar>(detail::StationaryRotation<Scalar>(k, q).quaternion);
 }
 
 }  // namespace corotet
