@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <random>
 
@@ -16,10 +17,10 @@ namespace {
 /// Where a free vertex starts that rests at x.
 using Collapse = Vec3<double> (*)(const Vec3<double>& x);
 
-/// Numbers from 0 to 1, the same everywhere.
-class Unit {
+/// Numbers in [0, 1), the same on every platform.
+class UniformRandom {
  public:
-  explicit Unit(int seed) : random_(static_cast<std::uint64_t>(seed)) {}
+  explicit UniformRandom(int seed) : random_(static_cast<std::uint64_t>(seed)) {}
   double operator()() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
 
  private:
@@ -31,19 +32,19 @@ struct Start {
   const char* words;
   double h;        // s
   double damping;  // 1/s M
-  double off;      // by how much each coordinate is off, of a body that is 1 m long, m
+  double off;      // by how much each coordinate is off at most, of a body that is 1 m long, m
 };
 constexpr std::array<Start, 3> starts{{{"60", "h = 1/60, damping 2/s M", 1.0 / 60, 2, 0},
                                        {"10", "h = 1/10, no damping", 1.0 / 10, 0, 0},
-                                       {"off", "off by 1e-6 m at random; h = 1/60, damping 2/s M", 1.0 / 60, 2, 1e-6}}};
+                                       {"off", "off by up to 1e-6 m; h = 1/60, damping 2/s M", 1.0 / 60, 2, 1e-6}}};
 
 Verdict recover(const Configuration& configuration, const Start& start, Collapse collapse) {
   Scene scene = configuration.scene();
   scene.dt = start.h;
-  if (start.damping > 0) scene.damping.mass = start.damping;
+  scene.damping.mass = start.damping;
   Trial trial(scene, fine_block(configuration.order));
   trial.pin(at_left_end);
-  Unit unit(1);
+  UniformRandom unit(1);
   trial.place([&](Index v) {
     const Vec3<double> off{unit() - 0.5, unit() - 0.5, unit() - 0.5};
     return at_left_end(trial.rest(v)) ? trial.rest(v) : (collapse(trial.rest(v)) + 2 * start.off * off).eval();
@@ -75,7 +76,7 @@ Verdict recover_from_chaos(const Configuration& configuration, const Effort& eff
   Trial trial(scene, coarse_block(configuration.order));
   trial.pin(at_left_end);
   for (int seed = 1; seed <= effort.seeds; ++seed) {
-    Unit unit(seed);
+    UniformRandom unit(seed);
     trial.push([](Index) { return Vec3<double>::Zero().eval(); });
     trial.place([&](Index v) {
       const Vec3<double> x{unit(), unit() / 2, unit() / 2};  // in this order

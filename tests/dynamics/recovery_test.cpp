@@ -30,9 +30,9 @@ class Recovery : public ::testing::Test {};
 TYPED_TEST_SUITE(Recovery, testing::AllCases);
 
 /// `damping`: 1/s M, with steps of 1/60 s and of 1/10 s. `slow`: the same bodies are not home yet after 100 steps of
-/// 1/10 s.
+/// 1/10 s. `off`: what each coordinate is off at most, m.
 template <class Scalar, class Element, template <class> class Integrator>
-void expect_recovery(const std::array<double, 2>& damping, bool slow) {
+void expect_recovery(const std::array<double, 2>& damping, bool slow, double off = 0) {
   using Body = SoftBody<Scalar, Element>;
   const std::array<Index, 3> cells =
       Element::order == 1 ? std::array<Index, 3>{8, 2, 2} : std::array<Index, 3>{4, 1, 1};
@@ -47,8 +47,11 @@ void expect_recovery(const std::array<double, 2>& damping, bool slow) {
             testing::cantilever<Scalar, Element>({.corner = {0, -0.1, -0.1}, .size = {1, 0.2, 0.2}, .cells = cells},
                                                  Material{.young = 5e5, .poisson = poisson, .density = 1000}, 0,
                                                  {.damping = {.mass = damping[h < 0.1 ? 0 : 1], .stiffness = 0}});
-        must(body.set_displacements(testing::displacement_of(
-            body.mesh(), [&](const Vec3<double>& x) { return x.x() == 0 ? x : x.cwiseProduct(start.factor).eval(); })));
+        testing::Random random(1);
+        must(body.set_displacements(testing::displacement_of(body.mesh(), [&](const Vec3<double>& x) {
+          const Vec3<double> noise{random.uniform(-off, off), random.uniform(-off, off), random.uniform(-off, off)};
+          return x.x() == 0 ? x : (x.cwiseProduct(start.factor) + noise).eval();
+        })));
         Integrator<Body> integrator(body);
         StepReport report;
         for (int step = 0; step < (h < 0.1 ? 300 : 100); ++step) {
@@ -63,32 +66,6 @@ void expect_recovery(const std::array<double, 2>& damping, bool slow) {
       }
 }
 
-/// Nobody's body starts exactly in a point: it is off by a millionth of its size, and yet all its elements must turn
-/// the same way. By rounding alone hardly one of these comes home.
-TYPED_TEST(Recovery, StartsThatAreNearlyDegenerateReturnToRest) {
-  using Scalar = typename TypeParam::Scalar;
-  using Element = typename TypeParam::Element;
-  const std::array<Index, 3> cells =
-      Element::order == 1 ? std::array<Index, 3>{8, 2, 2} : std::array<Index, 3>{4, 1, 1};
-  for (const double poisson : {0.3, 0.499})
-    for (const Start& start : starts) {
-      auto body = testing::cantilever<Scalar, Element>(
-          {.corner = {0, -0.1, -0.1}, .size = {1, 0.2, 0.2}, .cells = cells},
-          Material{.young = 5e5, .poisson = poisson, .density = 1000}, 0, {.damping = {.mass = 2}});
-      testing::Random random(1);
-      must(body.set_displacements(testing::displacement_of(body.mesh(), [&](const Vec3<double>& x) {
-        const Vec3<double> off{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
-        return x.x() == 0 ? x : (x.cwiseProduct(start.factor) + 5e-7 * off).eval();
-      })));
-      ImplicitEuler euler(body);
-      StepReport report;
-      for (int step = 0; step < 300; ++step) report = euler.step(body, Scalar(1.0 / 60));
-      const double rms = std::sqrt(double(flat(body.displacements()).squaredNorm()) / body.vertex_count());
-      EXPECT_EQ(report.inverted_elements, 0) << start.name << ", nu = " << poisson;
-      EXPECT_LT(rms, 1e-3) << start.name << ", nu = " << poisson;
-    }
-}
-
 template <class Body>
 using Euler = ImplicitEuler<Body>;
 template <class Body>
@@ -98,6 +75,12 @@ using SecondOrder = Bdf2<Body>;
 /// shape, to 1e-3 of the size, after ten seconds; five are enough at 1/60 s. No solve breaks down on the way.
 TYPED_TEST(Recovery, DegenerateStartsReturnToRest) {
   expect_recovery<typename TypeParam::Scalar, typename TypeParam::Element, Euler>({2, 0}, false);
+}
+
+/// Nobody's body starts exactly in a point, but off by a millionth of its size, and yet all its elements must turn the
+/// same way: else half of these do not come home at nu = 0.3, and four fifths at 0.499.
+TYPED_TEST(Recovery, NearlyDegenerateStartsReturnToRest) {
+  expect_recovery<typename TypeParam::Scalar, typename TypeParam::Element, Euler>({2, 2}, false, 1e-6);
 }
 
 /// The second order formula, too; as it keeps slow motion, with more damping.

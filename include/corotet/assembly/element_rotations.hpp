@@ -35,7 +35,7 @@ template <class Batch, std::floating_point Scalar, std::size_t points>
 /// minimum of the energy: docs/hard_cases.md. (Schmedding & Teschner 2008 choose the direction of inversion for an
 /// element with one point.) Not in an element that is pulled long and thin: it does not unfold, and its rotation about
 /// its long axis is ill-determined. R^T F stays symmetric, so that the force is the gradient of an energy, and without
-/// torque. Costs nothing where no element of the batch is concerned.
+/// torque (but for clear_choice). Costs nothing where no element of the batch is concerned.
 template <RotationExtractor Rotation, class Batch, std::floating_point Scalar, std::size_t points>
 void extract_rotations(const Batch& batch, const std::array<Mat3Lanes<Scalar>, points>& f, const Lanes<Scalar>& least,
                        std::array<Mat3Lanes<Scalar>, points>& r) {

@@ -11,6 +11,7 @@ namespace corotet {
 
 /// The rotation nearest to F: R maximises tr(R^T F). For det F > 0 it is the orthogonal polar factor; for an inverted
 /// element it is the rotation that undoes the inversion along the direction of least stretch (Irving et al. 2004).
+/// A gradient's may fall short of the largest trace where the choice is not clear: see clear_choice.
 ///
 /// In batches by Markley's closed form ("Attitude determination using vector observations: a fast optimal matrix
 /// algorithm", 1993, eqs. 8-17), with the largest root of the characteristic quartic by Newton from above. It loses
@@ -61,8 +62,8 @@ struct Polar {
     const L kappa = L(Scalar(0.5)) * (lambda * lambda - b2);
     const L zeta = kappa * lambda - det;
     sure = sure & (zeta > L(smallest_zeta<Scalar>()) * b2 * bound);
-    // 2 (s2+s3) is by how much tr(R^T B) is larger than with the next stationary rotation, and (s1+s2)(s3+s1) is
-    // s1^2 + kappa: the choice must be clear.
+    // 2 (s2+s3) is by how much tr(R^T B) is larger than with the next stationary rotation; (s1+s2)(s3+s1) is
+    // s1^2 + kappa, and s1^2 <= |B|^2: the choice must be clear.
     sure = sure & (L(2) * zeta > L(clear_choice(unit)) * scale * (b2 + kappa));
     const L inverse_zeta = L(1) / select(sure, zeta, L(1));
     Mat3Lanes<Scalar> btb;

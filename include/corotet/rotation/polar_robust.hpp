@@ -114,9 +114,12 @@ template <std::floating_point Scalar>
 }
 
 /// By how much tr(R^T F) must differ between stationary rotations, those for which R^T F is symmetric, for the choice
-/// between them to be clear; `unit` as above. Less is decided by what leads a body that starts collapsed or mirrored
-/// home: all its elements turn the same way, and it unfolds. By rounding, or by what little a start is off, each would
-/// turn its own way, and they lock.
+/// between them to be clear; `unit`: the size of F at rest. What is less is decided by what leads a body that starts
+/// collapsed or mirrored home: all its elements turn the same way, and it unfolds. By rounding, or by what little a
+/// start is off, each would turn its own way, and they lock.
+///
+/// Where the choice is not clear R depends on the axes of the rest position, and is stationary only to 0.35 of this:
+/// R^T F is symmetric to 0.003 `unit`, tr(R^T F) may be 0.003 `unit` less than the largest.
 template <std::floating_point Scalar>
 [[nodiscard]] constexpr Scalar clear_choice(Scalar unit) {
   return Scalar(0.008) * unit;
@@ -124,13 +127,27 @@ template <std::floating_point Scalar>
 
 namespace detail {
 
-/// How much to prefer one of two rotations between which tr(R^T F) differs by `gap`: nothing at `clear`, so that
-/// nothing jumps there, and `most` where they are equal.
+/// Davenport's matrix of F / 2^exponent, and in the same measure what makes a choice among its eigenvectors clear.
 template <std::floating_point Scalar>
-[[nodiscard]] Scalar preference(Scalar gap, Scalar clear, Scalar most) {
-  const Scalar unclear = std::max(Scalar(0), 1 - gap / clear);
-  return unclear * unclear * most;
-}
+struct Choice {
+  Eigen::Matrix<Scalar, 4, 4> k;
+  Scalar clear;
+
+  /// `largest`: of the entries of F, by size.
+  Choice(const Mat3<Scalar>& f, Scalar largest, Scalar unit) {
+    clear = std::max(clear_choice(unit), rounding_of_entries(largest));
+    int exponent = 0;
+    std::frexp(std::max(largest, clear), &exponent);
+    k = davenport<Scalar>(scaled<Scalar>(f, exponent));
+    clear = std::ldexp(clear, -exponent);
+  }
+
+  /// 1 between rotations with the same tr(R^T F), 0 where the choice is clear, and nothing jumps there.
+  [[nodiscard]] Scalar doubt(Scalar gap) const {
+    const Scalar unclear = std::max(Scalar(0), 1 - gap / clear);
+    return unclear * unclear;
+  }
+};
 
 }  // namespace detail
 
@@ -138,43 +155,38 @@ template <std::floating_point Scalar>
 /// quaternion (Horn 1987, section 4). Never a reflection; for a non-finite F, the identity.
 ///
 /// Where several rotations are equally near (a point, a line, some mirror images) it returns one of them. With
-/// `unit` > 0, see rounding_of_entries, it prefers, where the choice is not clear, those that turn less, and of half
-/// turns those about x to y to z: R^T F is then symmetric to three thousandths of `unit`.
+/// `unit` > 0, the size of F at rest, it prefers where the choice is not clear (clear_choice) those that turn less, and
+/// of half turns those about x to y to z.
 template <std::floating_point Scalar>
 [[nodiscard]] Mat3<Scalar> polar_robust(const Mat3<Scalar>& f, Scalar unit = 0) {
   const Scalar largest = f.cwiseAbs().maxCoeff();
-  if (!(largest > rounding_of_entries(unit)) || !std::isfinite(largest) || !f.allFinite())
-    return Mat3<Scalar>::Identity();
-  int exponent = 0;
-  std::frexp(largest, &exponent);
-  Eigen::Matrix<Scalar, 4, 4> k = detail::davenport<Scalar>(detail::scaled<Scalar>(f, exponent));
-  detail::StationaryRotation<Scalar> nearest(k);
-  const Scalar clear = std::ldexp(clear_choice(std::max(unit, largest)), -exponent);
-  if (unit > 0 && nearest.gap < clear) {
-    const Scalar preference = detail::preference(nearest.gap, clear, clear / 8);
-    for (int i = 0; i < 3; ++i) k(i, i) += static_cast<Scalar>(4 >> i) * preference;  // 4: F + preference I
-    nearest = detail::StationaryRotation<Scalar>(k);
+  if (!(largest > 0) || !std::isfinite(largest) || !f.allFinite()) return Mat3<Scalar>::Identity();
+  detail::Choice<Scalar> choice(f, largest, unit);
+  detail::StationaryRotation<Scalar> nearest(choice.k);
+  if (unit > 0 && nearest.gap < choice.clear) {
+    const Scalar preference = choice.doubt(nearest.gap) * choice.clear / 8;
+    for (int i = 0; i < 3; ++i) choice.k(i, i) += static_cast<Scalar>(4 >> i) * preference;  // 4: F + preference I
+    nearest = detail::StationaryRotation<Scalar>(choice.k);
   }
   return detail::rotation_of<Scalar>(nearest.quaternion);
 }
 
 /// Of the four rotations for which R^T F is symmetric, that is for which tr(R^T F) is stationary, the one that is
 /// nearest to another rotation: the eigenvectors of Davenport's matrix are those four. Where it is not clear which
-/// rotations these are (clear_choice), those nearer to `near` are preferred; for a non-finite F it is `near` itself.
+/// rotations these are (clear_choice), `near` decides with them; for F = 0 or a non-finite F it is `near` itself.
 template <std::floating_point Scalar>
 [[nodiscard]] Mat3<Scalar> polar_near(const Mat3<Scalar>& f, const Mat3<Scalar>& near, Scalar unit) {
   const Scalar largest = f.cwiseAbs().maxCoeff();
-  if (!(largest > rounding_of_entries(unit)) || !std::isfinite(largest) || !f.allFinite()) return near;
-  int exponent = 0;
-  std::frexp(largest, &exponent);
+  if (!(largest > 0) || !std::isfinite(largest) || !f.allFinite()) return near;
   const Eigen::Quaternion<Scalar> turn(near);
   const Eigen::Matrix<Scalar, 4, 1> q(turn.w(), turn.x(), turn.y(), turn.z());
-  Eigen::Matrix<Scalar, 4, 4> k = detail::davenport<Scalar>(detail::scaled<Scalar>(f, exponent));
-  const detail::StationaryRotation<Scalar> stationary(k, q);
-  const Scalar clear = std::ldexp(clear_choice(std::max(unit, largest)), -exponent);
-  if (!(stationary.gap < clear)) return detail::rotation_of<Scalar>(stationary.quaternion);
-  k += detail::preference(stationary.gap, clear, clear / 20) * q * q.transpose();
-  return detail::rotation_of<Scalar>(detail::StationaryRotation<Scalar>(k, q).quaternion);
+  detail::Choice<Scalar> choice(f, largest, unit);
+  detail::StationaryRotation<Scalar> stationary(choice.k, q);
+  if (stationary.gap < choice.clear) {
+    choice.k += choice.doubt(stationary.gap) * choice.clear / 20 * q * q.transpose();
+    stationary = detail::StationaryRotation<Scalar>(choice.k, q);
+  }
+  return detail::rotation_of<Scalar>(stationary.quaternion);
 }
 
 }  // namespace corotet

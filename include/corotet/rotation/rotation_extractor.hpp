@@ -21,8 +21,8 @@ concept RotationExtractor =
       requires std::same_as<decltype(Model::name), const std::string_view>;
     };
 
-/// R of deformation gradients. A model that asks for it learns that F was summed from the identity and others, and so
-/// is rounded as numbers of size 1 are.
+/// R of deformation gradients. A model that asks for it learns that F is of size 1 at rest: what is small and what is
+/// rounding follow from that.
 template <RotationExtractor Model, std::floating_point Scalar>
 COROTET_ALWAYS_INLINE void extract_from_gradient(const Mat3Lanes<Scalar>& f, Mat3Lanes<Scalar>& r) {
   if constexpr (requires { Model::extract(f, r, Scalar(1)); })
