@@ -262,7 +262,7 @@ TYPED_TEST(PolarLaw, APreferenceAmongNearlyEqualRotationsChangesLittle) {
     const Mat3<double> r = rotation_of_gradient<Scalar>(tie.f.cast<Scalar>()).template cast<double>();
     const Mat3<double> s = r.transpose() * tie.f;
     const double rounding = 64 * epsilon * tie.stretches[0];
-    // Where float rounds by more than the gap, rounding is what is preferred against.
+    // In a long element what float rounds may be more than what makes a choice clear.
     const double allowed = gap > std::max(clear, 8 * rounding) ? 0 : std::sqrt(0.125) * std::max(clear, 8 * rounding);
     ASSERT_LT(tie.stretches.sum() - s.trace(), allowed + rounding) << "gap " << gap << ", s " << tie.stretches;
     ASSERT_LT((s - s.transpose()).norm(), allowed + rounding) << "gap " << gap << ", s " << tie.stretches;
@@ -283,7 +283,7 @@ TYPED_TEST(PolarLaw, APreferenceAmongNearlyEqualRotationsFadesIn) {
     const double determined = at_clear.stretches[0] * epsilon / clear;
     ASSERT_LT((polar_robust<Scalar>(edge, 1) - polar_robust<Scalar>(edge)).norm(), 1e-3 + 64 * determined)
         << at_clear.stretches;
-    const Mat3<Scalar> q = polar_robust<Scalar>(edge);  // near itself, and another stationary rotation
+    const Mat3<Scalar> q = polar_robust<Scalar>(edge);  // stationary: the nearest to itself
     ASSERT_LT((polar_near<Scalar>(edge, q, 1) - q).norm(), 1e-3 + 64 * determined) << at_clear.stretches;
     const NearTie tie(random, size, clear * std::pow(10.0, random.uniform(-1, 1)));
     const Mat3<Scalar> f = tie.f.cast<Scalar>();
@@ -310,10 +310,10 @@ TYPED_TEST(PolarLaw, AStationaryRotationNearAnotherIsStationary) {
     const Vec3<double>& t = tie.stretches;
     if (2 * std::min({t[1] + t[2], t[0] - t[1], t[1] - t[2]}) < 1.01 * clear) continue;
     const Eigen::JacobiSVD<Mat3<double>> svd(tie.f, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const double side = svd.matrixU().determinant() * svd.matrixV().determinant() < 0 ? -1 : 1;
     double best = -1;
     for (const Vec3<double>& sign :
          {Vec3<double>(1, 1, 1), Vec3<double>(1, -1, -1), Vec3<double>(-1, 1, -1), Vec3<double>(-1, -1, 1)}) {
-      const double side = svd.matrixU().determinant() * svd.matrixV().determinant() < 0 ? -1 : 1;
       const Mat3<double> stationary =
           svd.matrixU() * (Vec3<double>(1, 1, side).cwiseProduct(sign)).asDiagonal() * svd.matrixV().transpose();
       best = std::max(best, (stationary.transpose() * near.template cast<double>()).trace());

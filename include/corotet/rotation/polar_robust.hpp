@@ -142,10 +142,11 @@ struct Choice {
     clear = std::ldexp(clear, -exponent);
   }
 
-  /// 1 between rotations with the same tr(R^T F), 0 where the choice is clear, and nothing jumps there.
+  /// For a gap < clear: what to prefer is worth a part of this; `clear` between rotations with the same tr(R^T F), 0
+  /// where the choice becomes clear, so that nothing jumps there.
   [[nodiscard]] Scalar doubt(Scalar gap) const {
-    const Scalar unclear = std::max(Scalar(0), 1 - gap / clear);
-    return unclear * unclear;
+    const Scalar unclear = 1 - gap / clear;
+    return unclear * unclear * clear;
   }
 };
 
@@ -164,7 +165,7 @@ template <std::floating_point Scalar>
   detail::Choice<Scalar> choice(f, largest, unit);
   detail::StationaryRotation<Scalar> nearest(choice.k);
   if (unit > 0 && nearest.gap < choice.clear) {
-    const Scalar preference = choice.doubt(nearest.gap) * choice.clear / 8;
+    const Scalar preference = choice.doubt(nearest.gap) / 8;
     for (int i = 0; i < 3; ++i) choice.k(i, i) += static_cast<Scalar>(4 >> i) * preference;  // 4: F + preference I
     nearest = detail::StationaryRotation<Scalar>(choice.k);
   }
@@ -183,7 +184,7 @@ template <std::floating_point Scalar>
   detail::Choice<Scalar> choice(f, largest, unit);
   detail::StationaryRotation<Scalar> stationary(choice.k, q);
   if (stationary.gap < choice.clear) {
-    choice.k += choice.doubt(stationary.gap) * choice.clear / 20 * q * q.transpose();
+    choice.k += choice.doubt(stationary.gap) / 20 * q * q.transpose();
     stationary = detail::StationaryRotation<Scalar>(choice.k, q);
   }
   return detail::rotation_of<Scalar>(stationary.quaternion);
