@@ -15,10 +15,10 @@ namespace detail {
 template <std::floating_point Scalar, class Evaluation>
 [[nodiscard]] Mat3<Scalar> twist_block(const Evaluation& state, std::size_t q, const Mat3<Scalar>& h, std::size_t row,
                                        std::size_t column) {
-  const Eigen::Map<const Vec3<Scalar>> ga(state.gradient(q, row)), gb(state.gradient(q, column));
+  const Vec3<Scalar> ga = Vec3<Scalar>::load(state.gradient(q, row)), gb = Vec3<Scalar>::load(state.gradient(q, column));
   Mat3<Scalar> turned, block;
-  for (int k = 0; k < 3; ++k) turned.col(k) = ga.cross(h.col(k));
-  for (int k = 0; k < 3; ++k) block.row(k) = gb.cross(turned.row(k).transpose()).transpose();
+  for (int k = 0; k < 3; ++k) turned.set_col(k, ga.cross(h.col(k)));
+  for (int k = 0; k < 3; ++k) block.set_row(k, gb.cross(turned.row(k).transpose()).transpose());
   return block;
 }
 
@@ -50,7 +50,7 @@ void add_twist(const Law& law, const typename Law::Evaluation& state, Scalar fac
         const auto& vertex = law.batches()[at(e / lane_count<Scalar>)].vertex;
         const auto lane = at(e % lane_count<Scalar>);
         const Mat3<Scalar> h = factor * state.twist.matrix(q, at(e));
-        if (h.isZero(0)) continue;
+        if (h.isZero()) continue;
         for (std::size_t a = 0; a < n; ++a)
           for (std::size_t b = a; b < n; ++b)
             detail::add_symmetric<Scalar>(matrix, p.slot(vertex[a][lane], vertex[b][lane]),

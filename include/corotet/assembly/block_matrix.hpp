@@ -20,7 +20,7 @@ template <std::floating_point Scalar, int B = 3>
 class BlockMatrix {
  public:
   using scalar_type = Scalar;
-  using Block = Eigen::Matrix<Scalar, B, B>;
+  using Block = Matrix<Scalar, B, B>;
 
   BlockMatrix() = default;
   explicit BlockMatrix(std::shared_ptr<const BlockPattern> pattern)
@@ -33,10 +33,10 @@ class BlockMatrix {
   /// Block rows, one a vertex.
   [[nodiscard]] Index rows() const { return pattern_->rows(); }
 
-  /// Views of a block, column-major.
-  [[nodiscard]] Eigen::Map<Block> block(Index slot) { return Eigen::Map<Block>(values(slot)); }
-  [[nodiscard]] Eigen::Map<const Block> block(Index slot) const { return Eigen::Map<const Block>(values(slot)); }
-  [[nodiscard]] Eigen::Map<const Block> diagonal(Index row) const { return block(pattern_->diagonal[at(row)]); }
+  /// A block, column-major in memory.
+  [[nodiscard]] MatrixView<Scalar, B, B> block(Index slot) { return MatrixView<Scalar, B, B>(values(slot)); }
+  [[nodiscard]] Block block(Index slot) const { return Block::load(values(slot)); }
+  [[nodiscard]] Block diagonal(Index row) const { return block(pattern_->diagonal[at(row)]); }
 
   /// The numbers of a block and of those behind it; at least three more can be read after the last.
   [[nodiscard]] Scalar* values(Index slot) { return value_.data() + block_size * at(slot); }

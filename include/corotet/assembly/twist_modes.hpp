@@ -91,7 +91,9 @@ class TwistModes {
   [[nodiscard]] Mat3<Scalar> matrix(std::size_t q, std::size_t element) const {
     const std::array<Scalar, 8>& h = value_[q * batches_ * at(lane_count<Scalar>) + element];
     Mat3<Scalar> m;
-    m << h[0], h[5], h[4], h[5], h[1], h[3], h[4], h[3], h[2];
+    m.set_col(0, {h[0], h[5], h[4]});
+    m.set_col(1, {h[5], h[1], h[3]});
+    m.set_col(2, {h[4], h[3], h[2]});
     return m;
   }
 

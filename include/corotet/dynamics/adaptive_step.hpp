@@ -69,7 +69,7 @@ class AdaptiveStep {
     const std::uint64_t start = body.motion_revision();
     if (motion_ != start) {
       before_ = {};
-      known_ = flat(body.displacements()).isZero(0);
+      known_ = std::all_of(body.displacements().begin(), body.displacements().end(), [](const Vec3<Scalar>& u) { return u.isZero(); });
     }
     const int most = options_.otherwise == Untrusted::divide ? 1 << options_.most_halvings : 1;
     StepReport report;
@@ -152,7 +152,7 @@ class AdaptiveStep {
     const auto& pinned = body.pins().vertices();
     for (std::size_t p = 0; p < pinned.size(); ++p) {
       const Vec3<Scalar>& from = displacement_[at(pinned[p])];
-      body.pins().move(pinned[p], share == 1 ? target_[p] : (from + share * (target_[p] - from)).eval());
+      body.pins().move(pinned[p], share == 1 ? target_[p] : (from + share * (target_[p] - from)));
     }
   }
 

@@ -109,7 +109,7 @@ class Bdf2 {
       return part;
     });
     const auto spread = [&](std::size_t square, std::size_t first) {  // about the mean
-      const Eigen::Map<const Vec3<double>> sum(&sums[first]);
+      const auto sum = Vec3<double>::load(&sums[first]);
       return std::sqrt(std::max(0.0, sums[square] - sum.squaredNorm() / body.vertex_count()));
     };
     const double before = spread(0, 2), change = spread(1, 5);

@@ -29,7 +29,7 @@ template <std::floating_point Scalar, ReferenceElement Element>
       volume += part;
       const Mat3<double> inverse = to_space.inverse();
       for (std::size_t a = 0; a < gradient.size(); ++a)
-        area[at(mesh.element(e)[a])] += part * Eigen::Map<const Vec3<double>>(gradient[a].data()).transpose() * inverse;
+        area[at(mesh.element(e)[a])] += part * (inverse.transpose() * Vec3<double>::load(gradient[a].data()));
     }
   for (const Vec3<double>& a : area) surface += a.norm();
   return 4 * volume / surface;

@@ -68,7 +68,7 @@ class EnergyBalance {
       return part;
     });
     gained_ = sums[0];
-    kinetic_ = sums[1] - Eigen::Map<const Vec3<double>>(&sums[2]).squaredNorm() / (2 * body.mass().total());
+    kinetic_ = sums[1] - Vec3<double>::load(&sums[2]).squaredNorm() / (2 * body.mass().total());
   }
 
   /// Once the body has moved and been evaluated: whether it has gained more than rounding explains. The error of steps

@@ -197,16 +197,17 @@ class ImplicitStep {
   void start(const Body& body, const StepFormula<Scalar>& formula, E& executor) {
     if (!formula.ahead) {
       for_ranges(executor, body.vertex_count(), RangeSum::grain, [&](Index begin, Index end) {
-        range_of(velocity_, begin, end) = range_of(formula.velocity, begin, end);
+        for (Index i = begin; i < end; ++i) velocity_[at(i)] = formula.velocity[at(i)];
       });
       for (std::size_t p = 0; p < body.pins().vertices().size(); ++p)
         velocity_[at(body.pins().vertices()[p])] = pin_velocity(body, formula, p);
       equation_.evaluate(body, executor);
     } else {
       for_ranges(executor, body.vertex_count(), RangeSum::grain, [&](Index begin, Index end) {
-        const auto of = [&](auto& field) { return range_of(field, begin, end); };
-        of(displacement_) = of(body.displacements()) + *formula.ahead * of(body.velocities());
-        of(velocity_) = (of(displacement_) - of(formula.position)) / formula.c;
+        for (Index i = begin; i < end; ++i) {
+          displacement_[at(i)] = body.displacements()[at(i)] + *formula.ahead * body.velocities()[at(i)];
+          velocity_[at(i)] = (displacement_[at(i)] - formula.position[at(i)]) / formula.c;
+        }
       });
       equation_.evaluate(body, displacement_, executor);
     }
@@ -235,10 +236,13 @@ class ImplicitStep {
   template <Executor E>
   [[nodiscard]] bool move(const Body& body, const StepFormula<Scalar>& formula, Scalar fraction, E& executor) {
     const double not_finite = sum_(executor, [&](Index begin, Index end) {
-      const auto of = [&](auto& field) { return range_of(field, begin, end); };
-      of(velocity_) += fraction * of(change_);
-      of(displacement_) = of(formula.position) + formula.c * of(velocity_);
-      return of(velocity_).allFinite() && of(displacement_).allFinite() ? 0.0 : 1.0;
+      bool finite = true;
+      for (Index i = begin; i < end; ++i) {
+        velocity_[at(i)] += fraction * change_[at(i)];
+        displacement_[at(i)] = formula.position[at(i)] + formula.c * velocity_[at(i)];
+        finite = finite && velocity_[at(i)].allFinite() && displacement_[at(i)].allFinite();
+      }
+      return finite ? 0.0 : 1.0;
     });
     place_pins(body);
     return not_finite == 0;
@@ -248,8 +252,8 @@ class ImplicitStep {
   template <Executor E>
   void try_move(const Body& body, const StepFormula<Scalar>& formula, Scalar fraction, E& executor) {
     for_ranges(executor, body.vertex_count(), RangeSum::grain, [&](Index begin, Index end) {
-      const auto of = [&](auto& field) { return range_of(field, begin, end); };
-      of(displacement_) = of(formula.position) + formula.c * (of(velocity_) + fraction * of(change_));
+      for (Index i = begin; i < end; ++i)
+        displacement_[at(i)] = formula.position[at(i)] + formula.c * (velocity_[at(i)] + fraction * change_[at(i)]);
     });
     place_pins(body);
   }

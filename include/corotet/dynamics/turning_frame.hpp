@@ -1,10 +1,13 @@
 // A body that nothing holds turns without growing, and keeps its angular momentum.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/rotation/polar_robust.hpp>
+#include <corotet/rotation/quaternion.hpp>
 #include <corotet/solve/range_sum.hpp>
 #include <limits>
 #include <span>
@@ -38,17 +41,16 @@ class TurningFrame {
     const auto x = placed(body, body.displacements());
     const auto v = relative(body.velocities());
     const auto sums = before_sums_(executor, [&](Index begin, Index end) {
-      Before part{};
-      Eigen::Map<Eigen::Matrix<double, 3, 8>> sum(part.data());
+      auto sum = Matrix<double, 3, 8>::Zero();
       for (Index i = begin; i < end; ++i) {
         add_motion(body, i, x, v, sum);
         const Vec3<double> force = body.external_forces()[at(i)].template cast<double>();
-        sum.col(6) += force;
-        sum.col(7) += (x(i) + double(h) / 2 * v(i)).cross(force);
+        add_to_column(sum, 6, force);
+        add_to_column(sum, 7, (x(i) + double(h) / 2 * v(i)).cross(force));
       }
-      return part;
+      return sums_of<24>(sum);
     });
-    const Eigen::Map<const Eigen::Matrix<double, 3, 8>> sum(sums.data());
+    const auto sum = Matrix<double, 3, 8>::load(sums.data());
     before_ = motion(body, sum);
     const double damping = double(h) * body.damping().mass;
     const double decay = second_order ? std::exp(-damping) : 1 / (1 + damping);
@@ -64,7 +66,7 @@ class TurningFrame {
   void enter(const Body& body, Scalar h, Field<Scalar>& velocity, E& executor) {
     const Vec3<double> w = frame_ = angular_velocity(before_.second, before_.momentum);
     turn_ = double(h) * w;
-    const Mat3<double> coriolis = rotation(-2 * turn_);
+    const Mat3<double> coriolis = rotation_by(-2 * turn_);
     const double g = double(h) / std::sqrt(1 + turn_.squaredNorm());
     const auto x = placed(body, body.displacements());
     const auto v = relative(body.velocities());
@@ -80,7 +82,7 @@ class TurningFrame {
 
   /// Once in the frame: how directions that rest in space have turned against it after the step, and the mean of the
   /// forces besides gravity, N/kg.
-  [[nodiscard]] Mat3<double> space() const { return rotation(-turn_); }
+  [[nodiscard]] Mat3<double> space() const { return rotation_by(-turn_); }
   [[nodiscard]] const Vec3<double>& mean_force() const { return mean_force_; }
 
   /// Leaves the frame, if it was entered, and gives the body its angular momentum: turns the solution of a step, with
@@ -91,14 +93,13 @@ class TurningFrame {
     const auto x = placed(body, displacement);
     const auto v = relative(velocity);
     const auto sums = after_sums_(executor, [&](Index begin, Index end) {
-      After part{};
-      Eigen::Map<Eigen::Matrix<double, 3, 6>> sum(part.data());
+      auto sum = Matrix<double, 3, 6>::Zero();
       for (Index i = begin; i < end; ++i) add_motion(body, i, x, v, sum);
-      return part;
+      return sums_of<18>(sum);
     });
-    const Motion solved = motion(body, Eigen::Map<const Eigen::Matrix<double, 3, 6>>(sums.data()));
-    Mat3<double> q = rotation(turn_);  // and on, by what the solution lacks besides the frame's own turn
-    q *= rotation(double(c) * (angular_velocity(solved.second, q.transpose() * goal_ - solved.momentum) - frame_));
+    const Motion solved = motion(body, Matrix<double, 3, 6>::load(sums.data()));
+    Mat3<double> q = rotation_by(turn_);  // and on, by what the solution lacks besides the frame's own turn
+    q *= rotation_by(double(c) * (angular_velocity(solved.second, q.transpose() * goal_ - solved.momentum) - frame_));
     const Vec3<double> w = angular_velocity(q * solved.second * q.transpose(), goal_ - q * solved.momentum);
     const Vec3<double> still = velocity[0].template cast<double>() + solved.velocity;
     const double not_finite = finite_(executor, [&](Index begin, Index end) {
@@ -115,9 +116,6 @@ class TurningFrame {
   }
 
  private:
-  using Before = RangeSums<24>::Sums;
-  using After = RangeSums<18>::Sums;
-
   /// Of a whole body, relative to its first vertex: sums stay small in flight and far from the origin.
   struct Motion {
     Vec3<double> centre, velocity;  ///< of mass, m and m/s
@@ -140,37 +138,43 @@ class TurningFrame {
   static void add_motion(const Body& body, Index i, const Place& x, const Speed& v, Columns& sum) {
     const auto mass_times = [&](const auto& field) { return body.mass().row_product(*body.pattern(), i, field); };
     const double mass = double(body.mass().row_sum(i));
-    sum.col(0) += mass * x(i);
-    sum.col(1) += mass * v(i);
-    sum.col(2) += x(i).cross(mass_times(v));
-    sum.template middleCols<3>(3) += x(i) * mass_times(x).transpose();
+    const Mat3<double> second = x(i) * mass_times(x).transpose();
+    add_to_column(sum, 0, mass * x(i));
+    add_to_column(sum, 1, mass * v(i));
+    add_to_column(sum, 2, x(i).cross(mass_times(v)));
+    for (int k = 0; k < 3; ++k) add_to_column(sum, 3 + k, second.col(k));
+  }
+  template <class Columns>
+  static void add_to_column(Columns& sum, int column, const Vec3<double>& v) {
+    for (int i = 0; i < 3; ++i) sum(i, column) += v[i];
+  }
+  template <std::size_t n, class Columns>
+  [[nodiscard]] static std::array<double, n> sums_of(const Columns& sum) {
+    std::array<double, n> sums;
+    std::copy(sum.begin(), sum.end(), sums.begin());
+    return sums;
   }
   template <class Columns>
   [[nodiscard]] static Motion motion(const Body& body, const Columns& sum) {
     const double mass = body.mass().total();
     const Vec3<double> centre = sum.col(0) / mass;
     return {centre, sum.col(1) / mass, sum.col(2) - centre.cross(sum.col(1)),
-            sum.template middleCols<3>(3) - mass * centre * centre.transpose()};
-  }
-
-  [[nodiscard]] static Mat3<double> rotation(const Vec3<double>& turn) {
-    const double angle = turn.norm();
-    return angle > 0 ? Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() : Mat3<double>::Identity().eval();
+            sum.template block<3, 3>(0, 3) - mass * centre * centre.transpose()};
   }
 
   /// w of the angular momentum (tr(S) - S) w, rad/s, where S are the second moments, kg m^2. None about an axis on
   /// which all mass lies.
   [[nodiscard]] static Vec3<double> angular_velocity(const Mat3<double>& second, const Vec3<double>& momentum) {
-    Eigen::Matrix4d inertia = Eigen::Matrix4d::Zero();  // the fourth axis has none
-    inertia.topLeftCorner<3, 3>() = second.trace() * Mat3<double>::Identity() - (second + second.transpose()) / 2;
-    const Eigen::Matrix4d axes = detail::diagonalise<double>(inertia);
+    Matrix<double, 4, 4> inertia = Matrix<double, 4, 4>::Zero();  // the fourth axis has none
+    inertia.set_block(0, 0, second.trace() * Mat3<double>::Identity() - (second + second.transpose()) / 2);
+    const Matrix<double, 4, 4> axes = detail::diagonalise<double>(inertia);
     const double least = std::numeric_limits<Scalar>::epsilon() * inertia.diagonal().maxCoeff();
     Vec3<double> w = Vec3<double>::Zero();
     for (int k = 0; k < 4; ++k) {
       const Vec3<double> axis = axes.col(k).head<3>();
       if (inertia(k, k) > least) w += axis.dot(momentum) / inertia(k, k) * axis;
     }
-    return w.allFinite() ? w : Vec3<double>::Zero().eval();
+    return w.allFinite() ? w : Vec3<double>::Zero();
   }
 
   Motion before_{};

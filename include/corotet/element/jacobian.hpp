@@ -14,7 +14,7 @@ template <std::size_t N, std::invocable<std::size_t> Position>
 [[nodiscard]] Mat3<double> jacobian(const std::array<NaturalCoordinates, N>& gradient, Position&& position) {
   Mat3<double> sum = Mat3<double>::Zero();
   for (std::size_t a = 0; a < N; ++a)
-    sum += position(a) * Eigen::Map<const Vec3<double>>(gradient[a].data()).transpose();
+    sum += position(a) * Vec3<double>::load(gradient[a].data()).transpose();
   return sum;
 }
 

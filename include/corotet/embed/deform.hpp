@@ -15,9 +15,9 @@ namespace corotet::detail {
 template <std::floating_point Scalar>
 Mat3<Scalar> cofactor(const Mat3<Scalar>& m) {
   Mat3<Scalar> c;
-  c.col(0) = m.col(1).cross(m.col(2));
-  c.col(1) = m.col(2).cross(m.col(0));
-  c.col(2) = m.col(0).cross(m.col(1));
+  c.set_col(0, m.col(1).cross(m.col(2)));
+  c.set_col(1, m.col(2).cross(m.col(0)));
+  c.set_col(2, m.col(0).cross(m.col(1)));
   return c;
 }
 
@@ -80,7 +80,13 @@ struct CarrierElement {
 /// A 3-vector in the first three of four lanes, the fourth 0: one SIMD register in float. For what is kept once an
 /// element; vertices stay packed.
 template <std::floating_point Scalar>
-using Wide = Eigen::Matrix<Scalar, 4, 1>;
+using Wide = Matrix<Scalar, 4, 1>;
+
+/// a x b.
+template <std::floating_point Scalar>
+[[nodiscard]] COROTET_ALWAYS_INLINE Wide<Scalar> cross(const Wide<Scalar>& a, const Wide<Scalar>& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0], 0};
+}
 
 template <std::floating_point Scalar>
 Wide<Scalar> widen(const Vec3<Scalar>& v) {
@@ -187,9 +193,9 @@ struct ElementMotion<Scalar, Element> {
                                 slope[2] + twist[1] * xi[0] + twist[0] * xi[1] + curvature[2] * xi[2]};
     x = at_zero + size * (multiply<Scalar>(slope, xi / 2) + multiply(g, vertex.where[1]));
     if constexpr (with_normals) {
-      const Wide<Scalar> cof_m = g[1].cross3(g[2]) * m[0] + g[2].cross3(g[0]) * m[1] + g[0].cross3(g[1]) * m[2];
-      const Wide<Scalar> squares = g[0].cwiseAbs2() + g[1].cwiseAbs2() + g[2].cwiseAbs2();
-      n = unit_normal(cof_m, rounding_of_normal(squares.sum()), m, xi, carrier);
+      const Wide<Scalar> cof_m = cross(g[1], g[2]) * m[0] + cross(g[2], g[0]) * m[1] + cross(g[0], g[1]) * m[2];
+      const Scalar squares = g[0].squaredNorm() + g[1].squaredNorm() + g[2].squaredNorm();
+      n = unit_normal(cof_m, rounding_of_normal(squares), m, xi, carrier);
     }
   }
 };

@@ -26,7 +26,7 @@ struct ElementField<Scalar, 1> {
   static ElementField from_nodes(NodeValue&& node) {
     ElementField f;
     f.at_zero = node(0);
-    for (int j = 0; j < 3; ++j) f.slope.col(j) = node(j + 1) - f.at_zero;
+    for (int j = 0; j < 3; ++j) f.slope.set_col(j, node(j + 1) - f.at_zero);
     return f;
   }
 
@@ -50,20 +50,20 @@ struct ElementField<Scalar, 2> {
     Mat3<Scalar> edge;
     for (int j = 0; j < 3; ++j) {
       const Vec3<Scalar> corner = node(j + 1) - f.at_zero;
-      edge.col(j) = node(to_corner[at(j)]) - f.at_zero;
-      f.slope.col(j) = 4 * edge.col(j) - corner;
-      f.curvature.col(j) = 4 * (corner - 2 * edge.col(j));
+      edge.set_col(j, node(to_corner[at(j)]) - f.at_zero);
+      f.slope.set_col(j, 4 * edge.col(j) - corner);
+      f.curvature.set_col(j, 4 * (corner - 2 * edge.col(j)));
     }
     for (int j = 0; j < 3; ++j)
-      f.twist.col(j) = 4 * ((node(opposite[at(j)]) - f.at_zero) - edge.col((j + 1) % 3) - edge.col((j + 2) % 3));
+      f.twist.set_col(j, 4 * ((node(opposite[at(j)]) - f.at_zero) - edge.col((j + 1) % 3) - edge.col((j + 2) % 3)));
     return f;
   }
 
   [[nodiscard]] Mat3<Scalar> gradient(const Vec3<Scalar>& xi) const {
     Mat3<Scalar> g;
-    g.col(0) = slope.col(0) + curvature.col(0) * xi[0] + twist.col(2) * xi[1] + twist.col(1) * xi[2];
-    g.col(1) = slope.col(1) + twist.col(2) * xi[0] + curvature.col(1) * xi[1] + twist.col(0) * xi[2];
-    g.col(2) = slope.col(2) + twist.col(1) * xi[0] + twist.col(0) * xi[1] + curvature.col(2) * xi[2];
+    g.set_col(0, slope.col(0) + curvature.col(0) * xi[0] + twist.col(2) * xi[1] + twist.col(1) * xi[2]);
+    g.set_col(1, slope.col(1) + twist.col(2) * xi[0] + curvature.col(1) * xi[1] + twist.col(0) * xi[2]);
+    g.set_col(2, slope.col(2) + twist.col(1) * xi[0] + twist.col(0) * xi[1] + curvature.col(2) * xi[2]);
     return g;
   }
   [[nodiscard]] Vec3<Scalar> value(const Vec3<Scalar>& xi) const { return at_zero + (slope + gradient(xi)) * xi / 2; }

@@ -31,7 +31,7 @@ namespace detail {
 
 /// The first three entries as floats at any address.
 template <std::floating_point Scalar>
-void store(std::byte* where, const Eigen::Matrix<Scalar, 4, 1>& v) {
+void store(std::byte* where, const Matrix<Scalar, 4, 1>& v) {
   const std::array<float, 3> xyz{static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
   std::memcpy(where, xyz.data(), sizeof xyz);
 }

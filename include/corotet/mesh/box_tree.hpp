@@ -27,7 +27,9 @@ struct Box {
     high = high.cwiseMax(box.high);
   }
   [[nodiscard]] bool contains(const Vec3<double>& p) const {
-    return (p.array() >= low.array()).all() && (p.array() <= high.array()).all();
+    for (int i = 0; i < 3; ++i)
+      if (!(p[i] >= low[i] && p[i] <= high[i])) return false;
+    return true;
   }
   /// From `p` to the nearest point of the box, m^2; 0 inside.
   [[nodiscard]] double squared_distance(const Vec3<double>& p) const {
@@ -167,8 +169,7 @@ class BoxTree {
         std::sort(first, last);
         continue;
       }
-      int axis = 0;
-      (centres.high - centres.low).maxCoeff(&axis);
+      const int axis = (centres.high - centres.low).index_of_max();
       const Index middle = range.begin + (range.end - range.begin) / 2;
       // Ties are broken by number, so that both halves are well defined.
       std::nth_element(first, order_.begin() + middle, last, [&](Index a, Index b) {

@@ -68,7 +68,7 @@ struct SimplexPoint {
 [[nodiscard]] inline SimplexPoint<4> closest_on_tetrahedron(const std::array<Vec3<double>, 4>& x,
                                                             const Vec3<double>& p) {
   Mat3<double> edges;
-  edges << x[1] - x[0], x[2] - x[0], x[3] - x[0];
+  for (int j = 0; j < 3; ++j) edges.set_col(j, x[at(j + 1)] - x[0]);
   const Vec3<double> r = p - x[0];
   const double volume = edges.determinant();
   if (volume != 0) {

@@ -87,7 +87,7 @@ Status check_volume(const std::vector<Vec3<double>>& x, const std::array<Index, 
       const Mat3<double> to_space =
           jacobian(Element::gradient(point.xi), [&](std::size_t a) { return x[at(nodes[a])]; });
       const double det = to_space.determinant();
-      const double size = to_space.colwise().norm().maxCoeff();
+      const double size = std::max({to_space.col(0).norm(), to_space.col(1).norm(), to_space.col(2).norm()});
       const double rounding = 4 * epsilon * size * size * std::max(size, largest);
       if (!(det > rounding) || !std::isfinite(det)) {
         const bool curved = Element::order > 1 && corner_volume(x, nodes.data()) * 6 > rounding;

@@ -32,7 +32,9 @@ struct GramSchmidt {
     y -= x * x.dot(y);  // twice is enough (Kahan): cancellation above has cost digits
     y.normalize();
     Mat3<Scalar> r;
-    r << x, y, x.cross(y);
+    r.set_col(0, x);
+    r.set_col(1, y);
+    r.set_col(2, x.cross(y));
     return r;
   }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <corotet/core/types.hpp>
+#include <corotet/rotation/quaternion.hpp>
 #include <limits>
 
 namespace corotet {
@@ -14,10 +15,10 @@ namespace detail {
 /// eigenvalues: cyclic Jacobi rotations (Golub & Van Loan 2013, section 8.5). Eigen's solver gives the same, but takes
 /// nine seconds to compile in every file that steps a body; the tests compare the two.
 template <std::floating_point Scalar>
-[[nodiscard]] Eigen::Matrix<Scalar, 4, 4> diagonalise(Eigen::Matrix<Scalar, 4, 4>& k) {
+[[nodiscard]] Matrix<Scalar, 4, 4> diagonalise(Matrix<Scalar, 4, 4>& k) {
   constexpr int most_sweeps = 16;  // quadratic convergence: four or five are enough
   const Scalar negligible = k.norm() * std::numeric_limits<Scalar>::epsilon() / 8;
-  Eigen::Matrix<Scalar, 4, 4> vectors = Eigen::Matrix<Scalar, 4, 4>::Identity();
+  Matrix<Scalar, 4, 4> vectors = Matrix<Scalar, 4, 4>::Identity();
   bool rotated = true;
   for (int sweep = 0; rotated && sweep < most_sweeps; ++sweep) {
     rotated = false;
@@ -54,26 +55,22 @@ template <std::floating_point Scalar>
 /// others: that of the largest eigenvalue, or the one nearest to a unit quaternion.
 template <std::floating_point Scalar>
 struct StationaryRotation {
-  Eigen::Matrix<Scalar, 4, 1> quaternion;
+  Matrix<Scalar, 4, 1> quaternion;
   Scalar gap = std::numeric_limits<Scalar>::infinity();
 
-  explicit StationaryRotation(Eigen::Matrix<Scalar, 4, 4> k) {
-    const Eigen::Matrix<Scalar, 4, 4> vectors = diagonalise<Scalar>(k);
-    Eigen::Index largest = 0;
-    k.diagonal().maxCoeff(&largest);
-    set(k, vectors, largest);
+  explicit StationaryRotation(Matrix<Scalar, 4, 4> k) {
+    const Matrix<Scalar, 4, 4> vectors = diagonalise<Scalar>(k);
+    set(k, vectors, k.diagonal().index_of_max());
   }
-  StationaryRotation(Eigen::Matrix<Scalar, 4, 4> k, const Eigen::Matrix<Scalar, 4, 1>& near) {
-    const Eigen::Matrix<Scalar, 4, 4> vectors = diagonalise<Scalar>(k);
-    Eigen::Index nearest = 0;
-    (vectors.transpose() * near).cwiseAbs().maxCoeff(&nearest);
-    set(k, vectors, nearest);
+  StationaryRotation(Matrix<Scalar, 4, 4> k, const Matrix<Scalar, 4, 1>& near) {
+    const Matrix<Scalar, 4, 4> vectors = diagonalise<Scalar>(k);
+    set(k, vectors, (vectors.transpose() * near).cwiseAbs().index_of_max());
   }
 
  private:
-  void set(const Eigen::Matrix<Scalar, 4, 4>& values, const Eigen::Matrix<Scalar, 4, 4>& vectors, Eigen::Index which) {
+  void set(const Matrix<Scalar, 4, 4>& values, const Matrix<Scalar, 4, 4>& vectors, int which) {
     quaternion = vectors.col(which).normalized();
-    for (Eigen::Index i = 0; i < 4; ++i)
+    for (int i = 0; i < 4; ++i)
       if (i != which) gap = std::min(gap, std::abs(values(i, i) - values(which, which)));
   }
 };
@@ -87,8 +84,8 @@ template <std::floating_point Scalar>
 
 /// Davenport's matrix K: q . K q = tr(R^T B) for the rotation R of a unit quaternion q (w x y z).
 template <std::floating_point Scalar>
-[[nodiscard]] Eigen::Matrix<Scalar, 4, 4> davenport(const Mat3<Scalar>& b) {
-  Eigen::Matrix<Scalar, 4, 4> k;
+[[nodiscard]] Matrix<Scalar, 4, 4> davenport(const Mat3<Scalar>& b) {
+  Matrix<Scalar, 4, 4> k;
   const Scalar trace = b(0, 0) + b(1, 1) + b(2, 2);
   k(0, 0) = trace;
   k(0, 1) = k(1, 0) = b(2, 1) - b(1, 2);
@@ -97,11 +94,6 @@ template <std::floating_point Scalar>
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) k(1 + i, 1 + j) = b(i, j) + b(j, i) - (i == j ? trace : Scalar(0));
   return k;
-}
-
-template <std::floating_point Scalar>
-[[nodiscard]] Mat3<Scalar> rotation_of(const Eigen::Matrix<Scalar, 4, 1>& q) {
-  return Eigen::Quaternion<Scalar>(q[0], q[1], q[2], q[3]).toRotationMatrix();
 }
 
 }  // namespace detail
@@ -130,7 +122,7 @@ namespace detail {
 /// Davenport's matrix of F / 2^exponent, and in the same measure what makes a choice among its eigenvectors clear.
 template <std::floating_point Scalar>
 struct Choice {
-  Eigen::Matrix<Scalar, 4, 4> k;
+  Matrix<Scalar, 4, 4> k;
   Scalar clear;
 
   /// `largest`: of the entries of F, by size.
@@ -169,7 +161,7 @@ template <std::floating_point Scalar>
     for (int i = 0; i < 3; ++i) choice.k(i, i) += static_cast<Scalar>(4 >> i) * preference;  // 4: F + preference I
     nearest = detail::StationaryRotation<Scalar>(choice.k);
   }
-  return detail::rotation_of<Scalar>(nearest.quaternion);
+  return rotation_of<Scalar>(nearest.quaternion);
 }
 
 /// Of the four rotations for which R^T F is symmetric, that is for which tr(R^T F) is stationary, the one that is
@@ -179,15 +171,14 @@ template <std::floating_point Scalar>
 [[nodiscard]] Mat3<Scalar> polar_near(const Mat3<Scalar>& f, const Mat3<Scalar>& near, Scalar unit) {
   const Scalar largest = f.cwiseAbs().maxCoeff();
   if (!(largest > 0) || !std::isfinite(largest) || !f.allFinite()) return near;
-  const Eigen::Quaternion<Scalar> turn(near);
-  const Eigen::Matrix<Scalar, 4, 1> q(turn.w(), turn.x(), turn.y(), turn.z());
+  const Matrix<Scalar, 4, 1> q = quaternion_of<Scalar>(near);
   detail::Choice<Scalar> choice(f, largest, unit);
   detail::StationaryRotation<Scalar> stationary(choice.k, q);
   if (stationary.gap < choice.clear) {
     choice.k += choice.doubt(stationary.gap) / 20 * q * q.transpose();
     stationary = detail::StationaryRotation<Scalar>(choice.k, q);
   }
-  return detail::rotation_of<Scalar>(stationary.quaternion);
+  return rotation_of<Scalar>(stationary.quaternion);
 }
 
 }  // namespace corotet

@@ -50,8 +50,7 @@ struct Aggregates {
       low = low.cwiseMin(position[at(*m)]);
       high = high.cwiseMax(position[at(*m)]);
     }
-    Eigen::Index axis = 0;
-    (high - low).maxCoeff(&axis);
+    const int axis = (high - low).index_of_max();
     const Index half = count / 2;
     const auto middle = first + static_cast<std::ptrdiff_t>(std::int64_t{end - begin} * half / count);
     std::nth_element(first, middle, last, [&](Index a, Index b) {

@@ -86,7 +86,7 @@ class AutoSolver {
 
   template <Executor E>
   SolveReport solve_directly(const StepSystem<Scalar>& system, Field<Scalar>& x, E& executor) {
-    flat(x).setZero();
+    std::fill(x.begin(), x.end(), Vec3<Scalar>::Zero());
     if (!is_tolerance(options_.tolerance)) return {SolveStatus::invalid_options, 0, 1.0};
     for (Index k = 0; k < system.matrix.pattern().blocks(); ++k)
       in_double_.block(k) = system.matrix.block(k).template cast<double>();

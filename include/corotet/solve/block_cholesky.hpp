@@ -20,7 +20,7 @@ namespace corotet {
 template <std::floating_point Scalar, int B = 3>
 class BlockCholesky {
  public:
-  using Block = Eigen::Matrix<Scalar, B, B>;
+  using Block = Matrix<Scalar, B, B>;
 
   /// Ordering, elimination tree and pattern of L. O(|L|) memory for the blocks of L comes with `allocate()`.
   void analyze(const BlockPattern& pattern) {
@@ -165,7 +165,7 @@ class BlockCholesky {
   double flops_ = 0;
 
   BlockFactor<Scalar, B> factor_;
-  std::vector<Block, Eigen::aligned_allocator<Block>> work_;
+  std::vector<Block> work_;
   std::vector<Index> stack_, marked_, filled_;
 };
 

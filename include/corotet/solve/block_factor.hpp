@@ -15,7 +15,7 @@ namespace corotet {
 template <std::floating_point Scalar, int B>
 class BlockFactor {
  public:
-  using Block = Eigen::Matrix<Scalar, B, B>;
+  using Block = Matrix<Scalar, B, B>;
 
   std::vector<Index> order;         ///< order[k]: the row eliminated as k-th
   std::vector<Index> column_start;  ///< rows() + 1 entries
@@ -24,8 +24,8 @@ class BlockFactor {
   [[nodiscard]] Index rows() const { return size_of(order); }
 
   /// Block `p`, column-major. On the diagonal: the inverse of L_jj.
-  [[nodiscard]] Eigen::Map<Block> block(Index p) { return Eigen::Map<Block>(values(p)); }
-  [[nodiscard]] Eigen::Map<const Block> block(Index p) const { return Eigen::Map<const Block>(values(p)); }
+  [[nodiscard]] MatrixView<Scalar, B, B> block(Index p) { return MatrixView<Scalar, B, B>(values(p)); }
+  [[nodiscard]] Block block(Index p) const { return Block::load(values(p)); }
 
   /// Memory for the blocks of a pattern that is there.
   void allocate() {

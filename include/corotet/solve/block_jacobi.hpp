@@ -25,7 +25,7 @@ class BlockJacobi {
   template <Executor E>
   void update(const StepSystem<Scalar>& system, E& executor) {
     for_ranges(executor, size_of(inverse_), RangeSum::grain, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i) inverse_[at(i)].template topRows<3>() = inverse(system.matrix.diagonal(i));
+      for (Index i = begin; i < end; ++i) inverse_[at(i)].set_block(0, 0, inverse(system.matrix.diagonal(i)));
     });
   }
 
@@ -45,16 +45,20 @@ class BlockJacobi {
   }
 
  private:
-  using Inverse = Eigen::Matrix<Scalar, 4, 3>;  // each column with a zero behind it: a Quad
+  using Inverse = Matrix<Scalar, 4, 3>;  // each column with a zero behind it: a Quad
 
   [[nodiscard]] Mat3<Scalar> inverse(const Mat3<Scalar>& block) const {
-    if (!whole_blocks_) return block.diagonal().cwiseInverse().asDiagonal();
+    if (!whole_blocks_) {
+      Mat3<Scalar> inverses = Mat3<Scalar>::Zero();
+      for (int i = 0; i < 3; ++i) inverses(i, i) = 1 / block(i, i);
+      return inverses;
+    }
     const Scalar scale = 1 / block.diagonal().maxCoeff();  // the determinant of a stiff block leaves the range of float
     return (block * scale).inverse() * scale;
   }
 
   bool whole_blocks_ = true;
-  std::vector<Inverse, Eigen::aligned_allocator<Inverse>> inverse_;
+  std::vector<Inverse> inverse_;
   RangeSum sum_;
 };
 

@@ -44,13 +44,10 @@ class FirstGuess {
     });
     const Combination c = nearest(sums);
     for_ranges(executor, size_of(x), RangeSum::grain, [&](Index begin, Index end) {
-      const auto of = [&](auto& field) { return range_of(field, begin, end); };
-      of(x).setZero();
-      for (std::size_t k = 0; k < depth; ++k) {
-        const auto factor = static_cast<Scalar>(c.factor[k]);
-        of(x) += factor * of(last_[k]);
-        of(r) -= factor * of(product_[k]);
-      }
+      static_assert(depth == 2);
+      const auto a = static_cast<Scalar>(c.factor[0]), b = static_cast<Scalar>(c.factor[1]);
+      map_range(begin, end, x, [=](auto p, auto q) { return a * p + b * q; }, last_[0], last_[1]);
+      map_range(begin, end, r, [=](auto s, auto p, auto q) { return s - a * p - b * q; }, r, product_[0], product_[1]);
     });
     return c.energy;
   }

@@ -63,7 +63,7 @@ class Pcg {
   SolveReport solve(const StepSystem<Scalar>& system, P& preconditioner, Field<Scalar>& x, const PcgOptions& options,
                     E& executor) {
     SolveReport report;
-    flat(x).setZero();
+    std::fill(x.begin(), x.end(), Vec3<Scalar>::Zero());
     if (!is_tolerance(options.tolerance) || options.max_iterations < 0) return {SolveStatus::invalid_options, 0, 1.0};
     double energy = guess_.start(system, x_, r_, executor);
     double error2 = preconditioner.apply(r_, z_, executor);
@@ -120,9 +120,9 @@ class Pcg {
         return;
       }
       const auto alpha = static_cast<Scalar>(rz / curvature);
-      update(executor, [&](auto of) {
-        of(x_) += alpha * of(p_);
-        of(r_) -= alpha * of(q_);
+      for_ranges(executor, size_of(r_), RangeSum::grain, [&](Index begin, Index end) {
+        map_range(begin, end, x_, [=](auto x, auto p) { return x + alpha * p; }, x_, p_);
+        map_range(begin, end, r_, [=](auto r, auto q) { return r - alpha * q; }, r_, q_);
       });
       const double gain = rz * (rz / curvature);
       energy += gain;
@@ -133,7 +133,9 @@ class Pcg {
         return;
       }
       const auto beta = static_cast<Scalar>(rz_next / rz);
-      update(executor, [&](auto of) { of(p_) = of(z_) + beta * of(p_); });
+      for_ranges(executor, size_of(r_), RangeSum::grain, [&](Index begin, Index end) {
+        map_range(begin, end, p_, [=](auto z, auto p) { return z + beta * p; }, z_, p_);
+      });
       rz = rz_next;
     }
   }
@@ -146,14 +148,6 @@ class Pcg {
         r_[at(i)].set(system.right_side[at(i)]);
         r_[at(i)].set(r_[at(i)].quad() - system.matrix.row_product(i, x_));
       }
-    });
-  }
-
-  /// Calls `body(of)` for each range of vertices, where of(field) is that range of a field.
-  template <Executor E, class Body>
-  void update(E& executor, Body&& body) {
-    for_ranges(executor, size_of(r_), RangeSum::grain, [&](Index begin, Index end) {
-      body([begin, end](auto& field) { return range_of(field, begin, end); });
     });
   }
 

@@ -4,27 +4,56 @@
 #include <array>
 #include <concepts>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
 #include <cstddef>
+#include <span>
 #include <type_traits>
 #include <vector>
 
 namespace corotet {
 
-/// The entries [begin, end) of a field as one column of numbers; those of padded fields with their zeros.
+/// The numbers of a field's entries [begin, end), vertex-major; those of padded fields with their zeros.
 template <class FieldType>
 [[nodiscard]] auto range_of(FieldType& field, Index begin, Index end) {
-  using Numbers = std::remove_reference_t<decltype(field.front()[0])>;  // const if the field is
-  constexpr Eigen::Index each = sizeof(field.front()) / sizeof(Numbers);
-  using Column = Eigen::Matrix<std::remove_const_t<Numbers>, Eigen::Dynamic, 1>;
-  using View = Eigen::Map<std::conditional_t<std::is_const_v<Numbers>, const Column, Column>>;
-  return View(field.empty() ? nullptr : field.front().data() + each * begin, each * (end - begin));
+  using Number = std::remove_reference_t<decltype(field.front()[0])>;  // const if the field is
+  constexpr std::size_t each = sizeof(field.front()) / sizeof(Number);
+  return std::span<Number>(field.empty() ? nullptr : field.front().data() + each * at(begin), each * at(end - begin));
 }
 
-/// a . b over the entries [begin, end).
+/// out = f(in...) number by number over the entries [begin, end). `f` is called with registers and with numbers; `out`
+/// may be one of `in`.
+template <class Out, class F, class... In>
+COROTET_ALWAYS_INLINE void map_range(Index begin, Index end, Out& out, F&& f, const In&... in) {
+  using Scalar = std::remove_reference_t<decltype(out.front()[0])>;
+  using Several = Register<Scalar, 32 / sizeof(Scalar)>;
+  constexpr std::size_t width = 32 / sizeof(Scalar);
+  const std::span<Scalar> to = range_of(out, begin, end);
+  const auto run = [&](const auto*... from) {
+    std::size_t i = 0;
+    for (; i + width <= to.size(); i += width) Several(f(Several::load(from + i)...)).store(to.data() + i);
+    for (; i < to.size(); ++i) to[i] = f(from[i]...);
+  };
+  run(range_of(in, begin, end).data()...);
+}
+
+/// a . b over the entries [begin, end). The order of the sum is the same with every instruction set.
 template <class A, class B>
 [[nodiscard]] double range_dot(const A& a, const B& b, Index begin, Index end) {
-  return static_cast<double>(range_of(a, begin, end).dot(range_of(b, begin, end)));
+  using Scalar = std::remove_cvref_t<decltype(a.front()[0])>;
+  constexpr std::size_t width = 64 / sizeof(Scalar);
+  using Several = Register<Scalar, int{width}>;
+  const auto x = range_of(a, begin, end), y = range_of(b, begin, end);
+  Several sums(Scalar(0));
+  std::size_t i = 0;
+  for (; i + width <= x.size(); i += width) sums += Several::load(x.data() + i) * Several::load(y.data() + i);
+  std::array<Scalar, width> part;
+  sums.store(part.data());
+  for (std::size_t half = width / 2; half > 0; half /= 2)
+    for (std::size_t k = 0; k < half; ++k) part[k] += part[k + half];
+  Scalar total = part[0];
+  for (; i < x.size(); ++i) total += x[i] * y[i];
+  return static_cast<double>(total);
 }
 
 /// K sums at once: over ranges of fixed length, each by one task, then over the ranges in order and in double.

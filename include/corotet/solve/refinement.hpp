@@ -26,14 +26,14 @@ class Refinement {
                     double tolerance, E& executor) {
     SolveReport report;
     const double size = sum_(executor, [&](Index i, Index j) { return range_dot(b, b, i, j); });
-    flat(x).setZero();
+    std::fill(x.begin(), x.end(), Vec3<Scalar>::Zero());
     if (size == 0) return report;
     residual_ = b;
     for (;;) {
       factor(residual_, correction_);
-      flat(x) += flat(correction_);
+      for (std::size_t i = 0; i < x.size(); ++i) x[i] += correction_[i];
       matrix.apply(x, residual_, executor);
-      flat(residual_) = flat(b) - flat(residual_);
+      for (std::size_t i = 0; i < b.size(); ++i) residual_[i] = b[i] - residual_[i];
       report.residual =
           std::sqrt(sum_(executor, [&](Index i, Index j) { return range_dot(residual_, residual_, i, j); }) / size);
       if (!std::isfinite(report.residual)) return {SolveStatus::breakdown, report.iterations, 1.0};

@@ -100,7 +100,7 @@ class RigidAggregates {
   }
 
  private:
-  using Block6 = Eigen::Matrix<Scalar, 6, 6>;
+  using Block6 = Matrix<Scalar, 6, 6>;
 
   [[nodiscard]] BlockPattern coarse_pattern_of(const BlockPattern& fine) const {
     BlockPattern p;
@@ -139,8 +139,10 @@ class RigidAggregates {
         rigid_row(matrix, body_.vertices_of(part), group_if_free, group_offset,
                   [&](Index other, const auto& block) { coarse_.block(p.slot(g, other)) += block; });
       for (Index k = p.row_start[at(g)]; k < p.row_start[at(g) + 1]; ++k)
-        coarse_.block(k) = in_part_axes(frames, g, p.column[at(k)], coarse_.block(k));
-      stabilise(coarse_.block(p.diagonal[at(g)]));
+        coarse_.block(k) = in_part_axes<Scalar>(frames, g, p.column[at(k)], coarse_.block(k));
+      Matrix<double, 6, 6> diagonal = coarse_.block(p.diagonal[at(g)]);
+      stabilise(diagonal);
+      coarse_.block(p.diagonal[at(g)]) = diagonal;
     });
     if (cholesky_.factorize(coarse_)) {
       factor_.assign(cholesky_.factor());
@@ -154,7 +156,7 @@ class RigidAggregates {
   template <Executor E>
   void invert_parts(const BlockMatrix<Scalar>& matrix, E& executor) {
     body_.for_parts(executor, [&](Index part) {
-      Eigen::Matrix<double, 6, 6> diagonal = Eigen::Matrix<double, 6, 6>::Zero();
+      Matrix<double, 6, 6> diagonal = Matrix<double, 6, 6>::Zero();
       rigid_row(
           matrix, body_.vertices_of(part),
           [&](Index v) { return body_.moves[at(v)] == 0 || body_.parts.of[at(v)] != part ? -1 : part; },
@@ -162,7 +164,7 @@ class RigidAggregates {
           [&](Index, const auto& block) { diagonal += block; });
       diagonal = in_part_axes(body_.part_frames, part, part, diagonal);
       stabilise(diagonal);
-      Eigen::Matrix<double, 6, 6> lower_inverse;
+      Matrix<double, 6, 6> lower_inverse;
       if (inverse_cholesky(diagonal, lower_inverse))
         part_inverse_[at(part)] = (lower_inverse.transpose() * lower_inverse).template cast<Scalar>();
       else
@@ -190,7 +192,8 @@ class RigidAggregates {
     for (std::size_t c = 0; c < 3; ++c) column[c].store(m[c].data());
     std::array<Scalar, 4> sum;
     product.store(sum.data());
-    load_[at(part)] << m[0][3], m[1][3], m[2][3], m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1];
+    load_[at(part)] =
+        six_vector<Scalar>({m[0][3], m[1][3], m[2][3]}, {m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]});
     return static_cast<double>(sum[0] + sum[1] + sum[2]);
   }
 
@@ -212,10 +215,7 @@ class RigidAggregates {
 
   [[nodiscard]] static SixVector<Scalar> world_motion(const RigidFrames<Scalar>& frames, Index part,
                                                       const SixVector<Scalar>& y) {
-    SixVector<Scalar> m;
-    m.template head<3>() = frames.translation(part, y);  // not by <<, of which GCC 12 warns at -O3
-    m.template tail<3>() = frames.turn(part, y);
-    return m;
+    return six_vector<Scalar>(frames.translation(part, y), frames.turn(part, y));
   }
 
   /// The load on a part in its own axes.
@@ -244,11 +244,9 @@ class RigidAggregates {
     for_ranges(executor, groups, group_grain, [&](Index begin, Index end) {
       for (Index g = begin; g < end; ++g) {
         const SixVector<Scalar> m = world_motion(body_.group_frames, g, group_motion_[at(g)]);
-        const Vec3<Scalar> turn = m.template tail<3>();
-        for (const Index a : body_.parts_of(g)) {
-          motion_[at(a)].template head<3>() += m.template head<3>() + turn.cross(body_.arm[at(a)]);
-          motion_[at(a)].template tail<3>() += turn;
-        }
+        const Vec3<Scalar> move = m.template head<3>(), turn = m.template tail<3>();
+        for (const Index a : body_.parts_of(g))
+          motion_[at(a)] += six_vector<Scalar>(move + turn.cross(body_.arm[at(a)]), turn);
       }
     });
   }
@@ -257,8 +255,8 @@ class RigidAggregates {
 
   RigidParts<Scalar> body_;
   BlockJacobi<Scalar> smoother_;
-  std::vector<SixVector<Scalar>, Eigen::aligned_allocator<SixVector<Scalar>>> load_, motion_, group_motion_;
-  std::vector<Block6, Eigen::aligned_allocator<Block6>> part_inverse_;
+  std::vector<SixVector<Scalar>> load_, motion_, group_motion_;
+  std::vector<Block6> part_inverse_;
   std::vector<double> part_sum_;
   BlockMatrix<double, 6> coarse_;
   BlockCholesky<double, 6> cholesky_;

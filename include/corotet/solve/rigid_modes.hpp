@@ -1,6 +1,7 @@
 // The rigid motions of parts of a body: what the coarse levels of a preconditioner are made of.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/types.hpp>
@@ -10,7 +11,14 @@ namespace corotet {
 
 /// Six numbers a part: translation and rotation, or force and torque.
 template <std::floating_point Scalar>
-using SixVector = Eigen::Matrix<Scalar, 6, 1>;
+using SixVector = Matrix<Scalar, 6, 1>;
+template <std::floating_point Scalar>
+[[nodiscard]] SixVector<Scalar> six_vector(const Vec3<Scalar>& first, const Vec3<Scalar>& second) {
+  SixVector<Scalar> y;
+  y.set_block(0, 0, first);
+  y.set_block(3, 0, second);
+  return y;
+}
 
 /// Where each part of a body is, and how it has turned since rest.
 template <std::floating_point Scalar>
@@ -31,10 +39,8 @@ struct RigidFrames {
 
   /// Force and torque about the centre, in the part's own turned axes and units.
   [[nodiscard]] SixVector<Scalar> to_part(Index part, const Vec3<Scalar>& force, const Vec3<Scalar>& torque) const {
-    SixVector<Scalar> y;
-    y.template head<3>().noalias() = rotation[at(part)].transpose() * force;
-    y.template tail<3>().noalias() = inverse_size[at(part)] * (rotation[at(part)].transpose() * torque);
-    return y;
+    return six_vector<Scalar>(rotation[at(part)].transpose() * force,
+                              inverse_size[at(part)] * (rotation[at(part)].transpose() * torque));
   }
   /// The other way for motions: translation and rotation in the axes of the world.
   [[nodiscard]] Vec3<Scalar> translation(Index part, const SixVector<Scalar>& y) const {
@@ -63,7 +69,9 @@ void rigid_row(const BlockMatrix<Scalar>& matrix, const Vertices& vertices, Part
   const auto cross = [&](Index v) {
     const Vec3<double> d = offset(v).template cast<double>();
     Mat3<double> m;
-    m << 0, -d.z(), d.y(), d.z(), 0, -d.x(), -d.y(), d.x(), 0;
+    m.set_col(0, {0, d.z(), -d.y()});
+    m.set_col(1, {-d.z(), 0, d.x()});
+    m.set_col(2, {d.y(), -d.x(), 0});
     return m;
   };
   for (const Index i : vertices) {
@@ -72,10 +80,12 @@ void rigid_row(const BlockMatrix<Scalar>& matrix, const Vertices& vertices, Part
     for (Index k = p.row_start[at(i)]; k < p.row_start[at(i) + 1]; ++k) {
       const Index j = p.column[at(k)], other = part_of(j);
       if (other < 0) continue;
-      Eigen::Matrix<double, 6, 6> block;
-      block.topLeftCorner<3, 3>() = matrix.block(k).template cast<double>();
-      block.topRightCorner<3, 3>().noalias() = -block.topLeftCorner<3, 3>() * cross(j);
-      block.bottomRows<3>().noalias() = across * block.topRows<3>();
+      Matrix<double, 6, 6> block;
+      const Mat3<double> left = matrix.block(k).template cast<double>(), right = -(left * cross(j));
+      block.set_block(0, 0, left);
+      block.set_block(0, 3, right);
+      block.set_block(3, 0, across * left);
+      block.set_block(3, 3, across * right);
       add(other, block);
     }
   }
@@ -83,20 +93,23 @@ void rigid_row(const BlockMatrix<Scalar>& matrix, const Vertices& vertices, Part
 
 /// Turns a block between two parts from the axes of the world into those of the parts, and scales it.
 template <std::floating_point Scalar>
-[[nodiscard]] Eigen::Matrix<double, 6, 6> in_part_axes(const RigidFrames<Scalar>& frames, Index row, Index column,
-                                                       const Eigen::Matrix<double, 6, 6>& world) {
-  const auto axes = [&](Index part) {
-    Eigen::Matrix<double, 6, 6> q = Eigen::Matrix<double, 6, 6>::Zero();
-    q.topLeftCorner<3, 3>() = frames.rotation[at(part)].template cast<double>();
-    q.bottomRightCorner<3, 3>() = q.topLeftCorner<3, 3>() * double(frames.inverse_size[at(part)]);
-    return q;
-  };
-  return axes(row).transpose() * world * axes(column);
+[[nodiscard]] Matrix<double, 6, 6> in_part_axes(const RigidFrames<Scalar>& frames, Index row, Index column,
+                                                       const Matrix<double, 6, 6>& world) {
+  const Mat3<double> left = frames.rotation[at(row)].template cast<double>().transpose();
+  const Mat3<double> right = frames.rotation[at(column)].template cast<double>();
+  const std::array<double, 2> row_scale{1, double(frames.inverse_size[at(row)])};
+  const std::array<double, 2> column_scale{1, double(frames.inverse_size[at(column)])};
+  Matrix<double, 6, 6> turned;
+  for (int r = 0; r < 2; ++r)
+    for (int c = 0; c < 2; ++c)
+      turned.set_block(3 * r, 3 * c,
+                       left * world.block<3, 3>(3 * r, 3 * c) * right * (row_scale[at(r)] * column_scale[at(c)]));
+  return turned;
 }
 
 /// Motions that a part does not have (all its vertices pinned, or no rotation) must not make the matrix singular: they
 /// stand alone, and so does rounding that is left of them.
-inline void stabilise(Eigen::Ref<Eigen::Matrix<double, 6, 6>> diagonal_block) {
+inline void stabilise(Matrix<double, 6, 6>& diagonal_block) {
   const double largest = diagonal_block.diagonal().maxCoeff();
   for (int r = 0; r < 6; ++r) {
     double& entry = diagonal_block(r, r);

@@ -100,7 +100,7 @@ struct RigidParts {
       for (const Index v : vertices_of(part)) {
         const auto free = static_cast<Scalar>(moves[at(v)]);
         const Vec3<Scalar> from_center = free * (rest[at(v)] - part_frames.rest_center[at(part)]);
-        offset[at(v)].set((part_frames.rotation[at(part)] * from_center).eval());
+        offset[at(v)].set(part_frames.rotation[at(part)] * from_center);
         offset[at(v)][3] = free;
       }
     });

@@ -11,7 +11,7 @@ namespace corotet {
 /// reads its lower triangle only. (Plain loops: Eigen's factorisation of a 6x6 block, which is made for large ones,
 /// takes a second to compile.)
 template <std::floating_point Scalar, int B>
-[[nodiscard]] bool inverse_cholesky(Eigen::Matrix<Scalar, B, B> a, Eigen::Matrix<Scalar, B, B>& inverse) {
+[[nodiscard]] bool inverse_cholesky(Matrix<Scalar, B, B> a, Matrix<Scalar, B, B>& inverse) {
   inverse.setZero();
   for (int j = 0; j < B; ++j) {
     Scalar pivot = a(j, j);

@@ -116,7 +116,7 @@ template <std::invocable<const Vec3<double>&> Function>
 [[nodiscard]] Result<MeshData> stuff_isosurface(const Function& f, const Box& box, const StuffingOptions& options) {
   if (!(options.size > 0) || !std::isfinite(options.size))
     return Error{ErrorCode::invalid_argument, "size", "the side of a lattice cube must be positive and finite"};
-  if (!box.low.allFinite() || !box.high.allFinite() || !(box.low.array() <= box.high.array()).all())
+  if (!box.low.allFinite() || !box.high.allFinite() || !((box.high - box.low).minCoeff() >= 0))
     return Error{ErrorCode::invalid_argument, "box", "it must be finite, and low no greater than high"};
   const double cubes = detail::BccLattice::cell_count_of(box, options.size, detail::stuffing_margin);
   if (!(cubes <= std::min(options.most_cubes, 1e8)))
