@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <corotet/core/parse_number.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/mesh/io/sticky_error.hpp>
 #include <cstdint>
@@ -140,19 +141,10 @@ class TextScanner : public StickyError {
   /// Numbers from tokens that the caller took itself.
   double to_number(std::string_view text, std::string_view what) {
     if (!has_token(text, what)) return 0;
-    double value = 0;
-    const auto [end, code] = std::from_chars(without_plus(text), text.data() + text.size(), value);
-    if (end != text.data() + text.size() || code == std::errc::invalid_argument) {
+    const auto [value, end] = parse_number(without_plus(text), text.data() + text.size());
+    if (end != text.data() + text.size()) {
       fail(std::string(what) + " is " + quoted(text) + ", not a number");
       return 0;
-    }
-    if (code == std::errc::result_out_of_range) {
-      // from_chars does not say which way. Too small is zero.
-      const std::size_t exponent = text.find_first_of("eE");
-      const bool small =
-          exponent == std::string_view::npos ? std::min(text.find('.'), text.size()) < 300 : text[exponent + 1] == '-';
-      if (small) return 0;
-      value = std::numeric_limits<double>::infinity();
     }
     if (!std::isfinite(value)) {
       fail(std::string(what) + " is " + quoted(text) + ", not a finite number", ErrorCode::non_finite_value);
