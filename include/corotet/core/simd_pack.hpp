@@ -97,6 +97,14 @@ template <class V>
 [[nodiscard]] COROTET_ALWAYS_INLINE V first_three(const V& v) {
   return __builtin_shufflevector(v, V{}, 0, 1, 2, 7);
 }
+#else
+// Named, but never called: without the extension no pack holds four values in one register.
+template <class V, int... I>
+std::array<V, 4> interleave4(const V& x, const V& y, const V& z, const V& w, std::integer_sequence<int, I...>);
+template <class V, class T, int... l>
+void store_quads(const std::array<V, 4>& quads, T* out, std::size_t stride, std::integer_sequence<int, l...>);
+template <class V>
+V first_three(const V& v);
 #endif
 
 /// f on each register of the arguments, for results of the same type as the first.
