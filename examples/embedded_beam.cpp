@@ -111,7 +111,7 @@ bool run(const std::string& folder, int frames) {
     for (Index v = 0; v < body->vertex_count(); ++v) nodes[at(v)] = body->position(v);
     const std::string number = std::to_string(1000 + frame).substr(1) + ".vtu";
     const double time = double(frame) * steps_per_frame * h;
-    for (const Status& s :
+    for (const Result<void>& s :
          {write_vtu(folder + "/surface_" + number,
                     {.points = positions, .cells = vtu_cells(gear), .point_data = {{"normal", normals}}}),
           write_vtu(folder + "/body_" + number, {.points = nodes, .cells = vtu_cells(*cage)}),

@@ -175,7 +175,7 @@ class Elasticity {
     Lanes<Scalar> least = 1;
     for (std::size_t q = 0; q < points; ++q) {
       for (int i = 0; i < 3; ++i) f[q](i, i) += 1;
-      least = min(least, determinant(f[q]));
+      least = lane_min(least, determinant(f[q]));
     }
     extract_rotations<Rotation>(batch, f, least, r);
     return least;
@@ -199,8 +199,8 @@ class Elasticity {
     for (std::size_t q = 0; q < points; ++q) {
       const Mat3Lanes<Scalar>&fq = f[q], &rq = r[q];
       const Strain e = corotational_strain(fq, rq);
-      extremes.largest_strain2 = max(extremes.largest_strain2, e.squared_norm());
-      extremes.least_trace = min(extremes.least_trace, rq(0, 0) + rq(1, 1) + rq(2, 2));
+      extremes.largest_strain2 = lane_max(extremes.largest_strain2, e.squared_norm());
+      extremes.least_trace = lane_min(extremes.least_trace, rq(0, 0) + rq(1, 1) + rq(2, 2));
 
       const Mat3Lanes<Scalar>& inverse = batch.point[q].inverse_jacobian;
       Mat3Lanes<Scalar> stress, rotated, rotated_stress, natural_stress;

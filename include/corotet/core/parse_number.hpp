@@ -15,7 +15,11 @@ inline constexpr auto from_chars_of_double = [](const char* first, const char* l
 };
 }  // namespace corotet::detail
 #elif __has_include(<fast_float/fast_float.h>)
+#include <corotet/core/macros_off.hpp>
+
 #include <fast_float/fast_float.h>
+
+#include <corotet/core/macros_on.hpp>
 namespace corotet::detail {
 inline constexpr auto from_chars_of_double = [](const char* first, const char* last, double& value) {
   return fast_float::from_chars(first, last, value);

@@ -42,7 +42,7 @@ class [[nodiscard]] Result {
   Result(T value) : content_(std::in_place_index<0>, std::move(value)) {}      // NOLINT(google-explicit-constructor)
   Result(Error error) : content_(std::in_place_index<1>, std::move(error)) {}  // NOLINT(google-explicit-constructor)
 
-  [[nodiscard]] bool ok() const { return content_.index() == 0; }
+  [[nodiscard]] bool ok() const { return std::get_if<0>(&content_) != nullptr; }
   explicit operator bool() const { return ok(); }
 
   [[nodiscard]] T& value() & {
@@ -74,16 +74,17 @@ class [[nodiscard]] Result {
 };
 
 /// The outcome of something that returns nothing: success, or an `Error`.
-class [[nodiscard]] Status {
+template <>
+class [[nodiscard]] Result<void> {
  public:
-  Status() = default;
-  Status(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor): as in Result
+  Result() = default;
+  Result(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor): as above
 
   [[nodiscard]] bool ok() const { return !error_.has_value(); }
   explicit operator bool() const { return ok(); }
 
   [[nodiscard]] const Error& error() const {
-    COROTET_ASSERT(!ok(), "this Status is a success, it has no error");
+    COROTET_ASSERT(!ok(), "this Result is a success, it has no error");
     return *error_;
   }
 

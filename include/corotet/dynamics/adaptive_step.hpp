@@ -69,7 +69,8 @@ class AdaptiveStep {
     const std::uint64_t start = body.motion_revision();
     if (motion_ != start) {
       before_ = {};
-      known_ = std::all_of(body.displacements().begin(), body.displacements().end(), [](const Vec3<Scalar>& u) { return u.isZero(); });
+      known_ = std::all_of(body.displacements().begin(), body.displacements().end(),
+                           [](const Vec3<Scalar>& u) { return u.isZero(); });
     }
     const int most = options_.otherwise == Untrusted::divide ? 1 << options_.most_halvings : 1;
     StepReport report;
@@ -139,10 +140,10 @@ class AdaptiveStep {
     now.converged = before.converged && now.converged;
     if (now.solve == SolveStatus::converged) now.solve = before.solve;
     now.iterations += before.iterations;
-    now.residual = std::max(before.residual, now.residual);
+    now.residual = (std::max)(before.residual, now.residual);
     now.newton_iterations += before.newton_iterations;
     now.newton_converged = before.newton_converged && now.newton_converged;
-    now.newton_residual = std::max(before.newton_residual, now.newton_residual);
+    now.newton_residual = (std::max)(before.newton_residual, now.newton_residual);
     if (now.distrust == Distrust::none) now.distrust = before.distrust;
     return now;
   }
@@ -157,7 +158,7 @@ class AdaptiveStep {
   }
 
   void restore(Body& body) {
-    Status restored = body.set_displacements(displacement_);
+    Result<void> restored = body.set_displacements(displacement_);
     if (restored.ok()) restored = body.set_velocities(velocity_);
     COROTET_ASSERT(restored.ok(), "the state was the body's");
   }

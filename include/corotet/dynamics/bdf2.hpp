@@ -56,7 +56,7 @@ class Bdf2 {
   /// `observer` is told of each phase as it begins.
   template <Executor E, StepObserver O = IgnorePhases>
   StepReport step(Body& body, Scalar h, E& executor, O&& observer = O()) {
-    StepReport report = implicit_.check(body, h);
+    StepReport report = implicit_.validate(body, h);
     if (!report.accepted()) return report;
     if (continues(body, h)) {
       const Scalar w = h / last_h_;
@@ -110,7 +110,7 @@ class Bdf2 {
     });
     const auto spread = [&](std::size_t square, std::size_t first) {  // about the mean
       const auto sum = Vec3<double>::load(&sums[first]);
-      return std::sqrt(std::max(0.0, sums[square] - sum.squaredNorm() / body.vertex_count()));
+      return std::sqrt((std::max)(0.0, sums[square] - sum.squaredNorm() / body.vertex_count()));
     };
     const double before = spread(0, 2), change = spread(1, 5);
     return h * static_cast<Scalar>(before > 0 ? std::clamp(2 - 2 * change / before, 0.0, 1.0) : 0.0);

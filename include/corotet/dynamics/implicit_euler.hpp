@@ -39,7 +39,7 @@ class ImplicitEuler {
   /// `observer` is told of each phase as it begins.
   template <Executor E, StepObserver O = IgnorePhases>
   StepReport step(Body& body, Scalar h, E& executor, O&& observer = O()) {
-    const StepReport checked = implicit_.check(body, h);
+    const StepReport checked = implicit_.validate(body, h);
     if (!checked.accepted()) return checked;
     return implicit_.advance(body, backward_euler(body, h), executor, observer);
   }

@@ -70,7 +70,7 @@ class StepEquation {
   /// together, for each wave length; so if s is less than sqrt(4/3 rho E) thickness / c, a twist mode of s / 2.
   void prepare(const Body& body, Scalar c) {
     const Scalar before = evaluation_.twist.left();
-    evaluation_.twist.leave(std::min(0.5, body.crossing_time() / double(c)));
+    evaluation_.twist.leave((std::min)(0.5, body.crossing_time() / double(c)));
     if (evaluation_.twist.left() != before) revision_ = 0;
   }
 
@@ -213,7 +213,7 @@ class StepEquation {
       double sum = 0;
       for (Index i = begin; i < end; ++i)
         sum += right_side_[at(i)].template cast<double>().squaredNorm() /  // whose range float would leave
-               std::abs(static_cast<double>(matrix_.diagonal(i).trace()));
+               std::fabs(static_cast<double>(matrix_.diagonal(i).trace()));
       return Sums{sum, 0};
     })[0]);
   }
@@ -225,7 +225,7 @@ class StepEquation {
       double part = 0;
       for (Index i = begin; i < end; ++i) {
         const Scalar size2 = body.mesh().position(i).squaredNorm() + body.displacements()[at(i)].squaredNorm();
-        part += std::abs(static_cast<double>(matrix_.diagonal(i).trace())) / 3 * static_cast<double>(size2);
+        part += std::fabs(static_cast<double>(matrix_.diagonal(i).trace())) / 3 * static_cast<double>(size2);
       }
       return Sums{part, 0};
     })[0];

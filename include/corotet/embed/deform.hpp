@@ -120,7 +120,7 @@ template <std::floating_point Scalar, ReferenceElement Element>
 Wide<Scalar> unit_normal(const Wide<Scalar>& cof_m, Scalar least_squared, const Vec3<Scalar>& m, const Vec3<Scalar>& xi,
                          const CarrierElement<Scalar, Element>& carrier) {
   const Scalar squared = cof_m.squaredNorm();
-  if (squared > least_squared && squared <= std::numeric_limits<Scalar>::max()) [[likely]]
+  if (squared > least_squared && squared <= (std::numeric_limits<Scalar>::max)()) [[likely]]
     return cof_m * (Scalar(1) / std::sqrt(squared));
   const Mat3<Scalar> rest = carrier.rest.gradient(xi) / carrier.size;
   return widen<Scalar>((cofactor(rest) * m).stableNormalized());

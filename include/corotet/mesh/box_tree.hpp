@@ -122,12 +122,12 @@ class BoxTree {
         }
         continue;
       }
-      Entry near{entry.node + 1, nodes_[at(entry.node + 1)].box.squared_distance(p)};
-      Entry far{node.right, nodes_[at(node.right)].box.squared_distance(p)};
+      Entry nearer{entry.node + 1, nodes_[at(entry.node + 1)].box.squared_distance(p)};
+      Entry farther{node.right, nodes_[at(node.right)].box.squared_distance(p)};
       best.visited += 2;
-      if (far.squared_distance < near.squared_distance) std::swap(near, far);
-      stack[at(top++)] = far;
-      stack[at(top++)] = near;
+      if (farther.squared_distance < nearer.squared_distance) std::swap(nearer, farther);
+      stack[at(top++)] = farther;
+      stack[at(top++)] = nearer;
     }
     return best;
   }

@@ -73,7 +73,7 @@ void measure_jacobian(const std::array<Vec3<double>, Element::nodes>& x, double&
   const auto visit = [&](const auto& points, bool integrate) {
     for (const QuadraturePoint& point : points) {
       const double det = jacobian(Element::gradient(point.xi), [&](std::size_t a) { return x[a]; }).determinant();
-      least = std::min(least, det);
+      least = (std::min)(least, det);
       if (integrate) volume += point.weight * det;
     }
   };
@@ -91,8 +91,8 @@ template <ReferenceElement Element>
   double longest = 0, shortest = std::numeric_limits<double>::infinity();
   for (const auto& [a, b] : tet_edges) {
     const double length = (x[b] - x[a]).stableNorm();
-    longest = std::max(longest, length);
-    shortest = std::min(shortest, length);
+    longest = (std::max)(longest, length);
+    shortest = (std::min)(shortest, length);
   }
   if (!(longest > 0)) {  // all corners in one point
     quality.edge_ratio = std::numeric_limits<double>::infinity();
@@ -128,7 +128,7 @@ template <ReferenceElement Element>
       if (f != p && f != q) faces[n++] = f;
     const Vec3<double>&m = normals[faces[0]], &n = normals[faces[1]];
     if (m.squaredNorm() > 0 && n.squaredNorm() > 0)
-      quality.dihedrals[e] = degrees * std::atan2(std::abs(six_volumes) * (x[q] - x[p]).norm(), -m.dot(n));
+      quality.dihedrals[e] = degrees * std::atan2(std::fabs(six_volumes) * (x[q] - x[p]).norm(), -m.dot(n));
   }
   quality.min_dihedral = *std::min_element(quality.dihedrals.begin(), quality.dihedrals.end());
   quality.max_dihedral = *std::max_element(quality.dihedrals.begin(), quality.dihedrals.end());
@@ -154,22 +154,22 @@ template <ReferenceElement Element>
 [[nodiscard]] inline ElementDefect classify(const ElementQuality& quality) {
   if (quality.shape < -1e-10) return ElementDefect::inverted;
   if (quality.shape < 1e-10) return ElementDefect::flat;
-  if (quality.jacobian_ratio < std::min(quality.shape, 0.5)) return ElementDefect::curved;
+  if (quality.jacobian_ratio < (std::min)(quality.shape, 0.5)) return ElementDefect::curved;
 
-  int large = 0, small = 0;
+  int large_count = 0, small_count = 0;
   std::array<int, 4> large_at_corner{};
   for (std::size_t e = 0; e < 6; ++e) {
-    if (quality.dihedrals[e] < detail::small_dihedral) ++small;
+    if (quality.dihedrals[e] < detail::small_dihedral) ++small_count;
     if (quality.dihedrals[e] <= detail::large_dihedral) continue;
-    ++large;
+    ++large_count;
     ++large_at_corner[tet_edges[e].a];
     ++large_at_corner[tet_edges[e].b];
   }
   const int most_at_corner = *std::max_element(large_at_corner.begin(), large_at_corner.end());
-  if (large == 3 && most_at_corner == 3) return ElementDefect::cap;
-  if (large == 2 && most_at_corner == 1) return ElementDefect::sliver;
-  if (large > 0) return ElementDefect::flat;
-  if (small > 0) return quality.edge_ratio > detail::long_edge_ratio ? ElementDefect::wedge : ElementDefect::flat;
+  if (large_count == 3 && most_at_corner == 3) return ElementDefect::cap;
+  if (large_count == 2 && most_at_corner == 1) return ElementDefect::sliver;
+  if (large_count > 0) return ElementDefect::flat;
+  if (small_count > 0) return quality.edge_ratio > detail::long_edge_ratio ? ElementDefect::wedge : ElementDefect::flat;
   return quality.edge_ratio > detail::long_edge_ratio ? ElementDefect::needle : ElementDefect::none;
 }
 

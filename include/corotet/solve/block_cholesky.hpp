@@ -32,7 +32,7 @@ class BlockCholesky {
   }
 
   /// True if the factor can be indexed; `allocate` and `factorize` need that.
-  [[nodiscard]] bool fits() const { return blocks_ <= std::size_t{std::numeric_limits<Index>::max()}; }
+  [[nodiscard]] bool fits() const { return blocks_ <= std::size_t{(std::numeric_limits<Index>::max)()}; }
 
   /// Blocks in L, the diagonal included.
   [[nodiscard]] std::size_t factor_blocks() const { return blocks_; }
@@ -135,7 +135,7 @@ class BlockCholesky {
     for (const Index c : count) {
       blocks_ += at(c);
       factor_.column_start.push_back(
-          static_cast<Index>(std::min<std::size_t>(blocks_, std::numeric_limits<Index>::max())));
+          static_cast<Index>(std::min<std::size_t>(blocks_, (std::numeric_limits<Index>::max)())));
       flops_ += 1.0 * B * B * B * c * c;  // c^2/2 block products of 2 B^3 operations
     }
   }

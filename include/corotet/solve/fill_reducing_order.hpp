@@ -1,8 +1,13 @@
 // The order in which to eliminate vertices so that a Cholesky factor stays sparse.
 #pragma once
 
+#include <corotet/core/macros_off.hpp>
+
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
+
+#include <corotet/core/macros_on.hpp>
+
 #include <corotet/assembly/block_pattern.hpp>
 #include <corotet/core/types.hpp>
 #include <vector>

@@ -1,9 +1,9 @@
 // Cholesky factorisation of one small block.
 #pragma once
 
-#include <Eigen/Core>
 #include <cmath>
 #include <concepts>
+#include <corotet/core/types.hpp>
 
 namespace corotet {
 

@@ -48,7 +48,7 @@ double crossing(const Function& f, const Vec3<double>& a, const Vec3<double>& b,
     const double before = t;
     t = low + (high - low) * (fa / (fa - fb));
     if (!(t > low && t < high)) t = (low + high) / 2;
-    if (step > 0 && std::abs(t - before) < close) break;
+    if (step > 0 && std::fabs(t - before) < close) break;
     const double ft = f(Vec3<double>(a + t * (b - a)));
     if (ft == 0 || !std::isfinite(ft)) break;
     const int side = (ft < 0) == (fa < 0) ? -1 : 1;

@@ -29,8 +29,9 @@ class SignedDistance {
   /// not merged), or where the surface encloses no volume.
   [[nodiscard]] static Result<SignedDistance> create(const SurfaceMesh& surface) {
     if (surface.triangles.empty()) return Error{ErrorCode::empty_mesh, "surface", "it has no triangles"};
-    if (Status status = detail::check_positions(surface.positions, "surface vertex"); !status) return status.error();
-    if (Status status = detail::check_triangles(surface); !status) return status.error();
+    if (Result<void> status = detail::check_positions(surface.positions, "surface vertex"); !status)
+      return status.error();
+    if (Result<void> status = detail::check_triangles(surface); !status) return status.error();
     SignedDistance out;
     out.positions_ = surface.positions;
     out.triangles_ = surface.triangles;
@@ -44,7 +45,7 @@ class SignedDistance {
       Box& box = boxes.emplace_back();
       for (const Vec3<double>& p : {x, y, z}) box.add(p);
     }
-    if (Status status = out.add_edges(); !status) return status.error();
+    if (Result<void> status = out.add_edges(); !status) return status.error();
     if (volume == 0) return Error{ErrorCode::invalid_argument, "surface", "it encloses no volume"};
     out.turn_ = volume < 0 ? -1 : 1;
     out.vertex_normals_ = vertex_normals(surface);
@@ -93,7 +94,7 @@ class SignedDistance {
 
   /// Pairs up the two sides of each edge and sums their normals. Edge i of a triangle runs from its corner i to the
   /// next.
-  Status add_edges() {
+  Result<void> add_edges() {
     struct Side {
       std::pair<Index, Index> ends;
       Index triangle;
