@@ -169,7 +169,7 @@ class Elasticity {
   /// F and R at each quadrature point of a batch, and the least determinant of F in each element.
   static Lanes<Scalar> deformation(const Batch& batch, const Field<Scalar>& displacement,
                                    std::array<Mat3Lanes<Scalar>, points>& f, std::array<Mat3Lanes<Scalar>, points>& r) {
-    std::array<Vec3Lanes<Scalar>, nodes> u;
+    std::array<Vec3Lanes<Scalar>, std::size_t{nodes}> u;
     batch.gather(displacement.data(), u);
     for (std::size_t q = 0; q < points; ++q) batch.displacement_gradient(q, u, f[q]);
     Lanes<Scalar> least = 1;
@@ -189,7 +189,7 @@ class Elasticity {
 
     const bool own_mean = mean_.on() && !Mean::over_patches;
     const typename Mean::OfBatch mean = mean_.of_batch(batch, b, f, r);
-    std::array<Vec3Lanes<Scalar>, nodes> force, mean_gradient;
+    std::array<Vec3Lanes<Scalar>, std::size_t{nodes}> force, mean_gradient;
     std::array<L, points> volumetric;
     for (Vec3Lanes<Scalar>& node : force)
       for (L& component : node) component = 0;

@@ -57,13 +57,14 @@ class alignas(64) Lanes {
  public:
   static constexpr int size = lane_count<Scalar>;
   using Mask = LaneMask<Scalar>;
+  using Numbers = std::array<Scalar, std::size_t{size}>;
 
   Lanes() = default;
   /// The same number in all lanes.
   COROTET_ALWAYS_INLINE Lanes(Scalar value) : pack_(value) {}  // NOLINT(google-explicit-constructor): as a scalar
 
   [[nodiscard]] Scalar operator[](int lane) const { return values()[at(lane)]; }
-  [[nodiscard]] std::array<Scalar, size> values() const { return std::bit_cast<std::array<Scalar, size>>(pack_); }
+  [[nodiscard]] Numbers values() const { return std::bit_cast<Numbers>(pack_); }
   void set(int lane, Scalar value) {
     std::memcpy(reinterpret_cast<char*>(&pack_) + at(lane) * sizeof(Scalar), &value, sizeof(Scalar));
   }
@@ -106,7 +107,7 @@ class alignas(64) Lanes {
   friend COROTET_ALWAYS_INLINE Lanes lane_min(const Lanes& a, const Lanes& b) { return select(a < b, a, b); }
   friend COROTET_ALWAYS_INLINE Lanes lane_abs(const Lanes& a) { return select(a < Lanes(0), -a, a); }
   friend Lanes sqrt(const Lanes& a) {
-    std::array<Scalar, size> root = a.values();
+    Numbers root = a.values();
     for (Scalar& x : root) x = std::sqrt(x);
     return Lanes(std::bit_cast<Pack>(root));
   }

@@ -326,7 +326,7 @@ struct Matrix {
     return m;
   }
 
-  T value_[R * C];
+  T value_[std::size_t{R * C}];
 };
 
 template <class T, int R, int K, int C>

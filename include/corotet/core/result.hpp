@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include <variant>
 
 namespace corotet {
 
@@ -39,23 +38,23 @@ template <class T>
 class [[nodiscard]] Result {
  public:
   // Implicit on purpose: `return value;` and `return Error{...};` are the two ways to end a function.
-  Result(T value) : content_(std::in_place_index<0>, std::move(value)) {}      // NOLINT(google-explicit-constructor)
-  Result(Error error) : content_(std::in_place_index<1>, std::move(error)) {}  // NOLINT(google-explicit-constructor)
+  Result(T value) : value_(std::move(value)) {}      // NOLINT(google-explicit-constructor)
+  Result(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
 
-  [[nodiscard]] bool ok() const { return std::get_if<0>(&content_) != nullptr; }
+  [[nodiscard]] bool ok() const { return value_.has_value(); }
   explicit operator bool() const { return ok(); }
 
   [[nodiscard]] T& value() & {
     COROTET_ASSERT(ok(), "test a Result before taking its value");
-    return *std::get_if<0>(&content_);
+    return *value_;
   }
   [[nodiscard]] const T& value() const& {
     COROTET_ASSERT(ok(), "test a Result before taking its value");
-    return *std::get_if<0>(&content_);
+    return *value_;
   }
   [[nodiscard]] T&& value() && {
     COROTET_ASSERT(ok(), "test a Result before taking its value");
-    return std::move(*std::get_if<0>(&content_));
+    return std::move(*value_);
   }
 
   [[nodiscard]] T& operator*() & { return value(); }
@@ -66,11 +65,12 @@ class [[nodiscard]] Result {
 
   [[nodiscard]] const Error& error() const {
     COROTET_ASSERT(!ok(), "this Result holds a value, not an error");
-    return *std::get_if<1>(&content_);
+    return error_;
   }
 
  private:
-  std::variant<T, Error> content_;
+  std::optional<T> value_;
+  Error error_;
 };
 
 /// The outcome of something that returns nothing: success, or an `Error`.

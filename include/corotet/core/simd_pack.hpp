@@ -86,9 +86,9 @@ template <class V, int... i>
 template <class V, class T, int... l>
 COROTET_ALWAYS_INLINE void store_quads(const std::array<V, 4>& quads, T* out, std::size_t stride,
                                        std::integer_sequence<int, l...>) {
-  typedef T Quad __attribute__((vector_size(4 * sizeof(T)), aligned(sizeof(T))));  // NOLINT(modernize-use-using)
-  ((*reinterpret_cast<Quad*>(out + static_cast<std::size_t>(l) * stride) =
-        __builtin_shufflevector(quads[l % 4], quads[l % 4], l / 4 * 4, l / 4 * 4 + 1, l / 4 * 4 + 2, l / 4 * 4 + 3)),
+  const auto store = [](const auto& quad, T* place) { __builtin_memcpy(place, &quad, 4 * sizeof(T)); };
+  (store(__builtin_shufflevector(quads[l % 4], quads[l % 4], l / 4 * 4, l / 4 * 4 + 1, l / 4 * 4 + 2, l / 4 * 4 + 3),
+         out + static_cast<std::size_t>(l) * stride),
    ...);
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <corotet/core/assert.hpp>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
@@ -153,7 +154,8 @@ class AdaptiveStep {
     const auto& pinned = body.pins().vertices();
     for (std::size_t p = 0; p < pinned.size(); ++p) {
       const Vec3<Scalar>& from = displacement_[at(pinned[p])];
-      body.pins().move(pinned[p], share == 1 ? target_[p] : (from + share * (target_[p] - from)));
+      body.pins().move(pinned[p],
+                       detail::exactly_equal(share, Scalar(1)) ? target_[p] : (from + share * (target_[p] - from)));
     }
   }
 
@@ -171,5 +173,8 @@ class AdaptiveStep {
   StepReport before_;
   std::uint64_t motion_ = 0;  // in which the last step that was kept ended; no body has 0
 };
+
+template <class Integrator, class Body>
+AdaptiveStep(Integrator, const Body&) -> AdaptiveStep<Integrator, Body>;
 
 }  // namespace corotet

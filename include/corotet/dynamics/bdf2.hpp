@@ -124,4 +124,7 @@ class Bdf2 {
   std::uint64_t motion_ = 0;  // of the state after the last step, if it can be continued; no body has 0
 };
 
+template <class Body>
+Bdf2(const Body&) -> Bdf2<Body>;
+
 }  // namespace corotet

@@ -52,4 +52,7 @@ class ImplicitEuler {
   ImplicitStep<Body, Solver> implicit_;
 };
 
+template <class Body>
+ImplicitEuler(const Body&) -> ImplicitEuler<Body>;
+
 }  // namespace corotet

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <corotet/core/assert.hpp>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/energy_balance.hpp>
@@ -153,9 +154,10 @@ class ImplicitStep {
       const double shrunk = gradient > 0 ? (std::min)(1.0, equation_.right_side_norm(executor) / gradient) : 0.0;
       const double left = std::sqrt(decrement2) * shrunk;
       report.newton_residual = first_change > 0 ? left / first_change : 0;
-      report.newton_converged = fraction == 1 && (left <= options_.tolerance * first_change || rounding_hides);
+      report.newton_converged =
+          detail::exactly_equal(fraction, 1.0) && (left <= options_.tolerance * first_change || rounding_hides);
       last_decrement2 = decrement2;
-      done = report.newton_converged || fraction == 0 || report.newton_iterations >= most;
+      done = report.newton_converged || detail::is_zero(fraction) || report.newton_iterations >= most;
       if (!done) observer(StepPhase::assembly);
     }
 
@@ -245,7 +247,7 @@ class ImplicitStep {
       return finite ? 0.0 : 1.0;
     });
     place_pins(body);
-    return not_finite == 0;
+    return detail::is_zero(not_finite);
   }
 
   /// displacement_ = xbar + c (velocity_ + fraction change_).

@@ -6,6 +6,7 @@
 #include <corotet/assembly/add_twist.hpp>
 #include <corotet/assembly/assemble.hpp>
 #include <corotet/assembly/block_matrix.hpp>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/system_era.hpp>
@@ -71,7 +72,7 @@ class StepEquation {
   void prepare(const Body& body, Scalar c) {
     const Scalar before = evaluation_.twist.left();
     evaluation_.twist.leave((std::min)(0.5, body.crossing_time() / double(c)));
-    if (evaluation_.twist.left() != before) revision_ = 0;
+    if (!detail::exactly_equal(evaluation_.twist.left(), before)) revision_ = 0;
   }
 
   /// Evaluates the body's displacement, unless that is what was evaluated last.
@@ -242,7 +243,7 @@ class StepEquation {
   using Sums = RangeSums<2>::Sums;
 
   [[nodiscard]] static Scalar mass_factor(const Body& body, Scalar c) {
-    return static_cast<Scalar>(1 + c * body.damping().mass);
+    return static_cast<Scalar>(1 + static_cast<double>(c) * body.damping().mass);
   }
   [[nodiscard]] static Scalar body_damping(const Body& body) { return static_cast<Scalar>(body.damping().stiffness); }
   [[nodiscard]] static Scalar damping_factor(const Body& body, Scalar c) { return c * body_damping(body); }

@@ -50,7 +50,7 @@ BoxTree element_tree(const TetMesh<Scalar, Element>& mesh) {
 /// Rounding of positions in the mesh's precision, m.
 template <std::floating_point Scalar>
 double position_rounding(const Box& bounds) {
-  return 4 * double{std::numeric_limits<Scalar>::epsilon()} *
+  return 4 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) *
          (std::max)(bounds.low.cwiseAbs().maxCoeff(), bounds.high.cwiseAbs().maxCoeff());
 }
 
@@ -113,7 +113,7 @@ inline std::vector<Vec3<double>> unit_normals(std::span<const Vec3<double>> norm
   out.reserve(normals.size());
   for (const Vec3<double>& n : normals) {
     const double length = n.stableNorm();
-    out.push_back(length > 0 ? Vec3<double>(n / length) : Vec3<double>(0, 0, 1));
+    out.push_back(length > 0 ? n / length : Vec3<double>(0, 0, 1));
     if (!(length > 0)) ++replaced;
   }
   return out;

@@ -26,7 +26,7 @@ template <std::floating_point Scalar, int order>
 struct BoundVertex {
   Index slot;  ///< of the element that carries it
   /// Tet4: xi + step, all that a linear field needs. Tet10: xi, then xi / 2 + step (see `ElementMotion`).
-  std::array<Vec3<Scalar>, order> where;
+  std::array<Vec3<Scalar>, std::size_t{order}> where;
   /// J^T N with the rest Jacobian J = dX/dxi: the normal in natural coordinates, unit length. cof(dx/dxi) takes it to
   /// the deformed normal, as cof(F) N = cof(dx/dxi) J^T N / det J.
   Vec3<Scalar> normal;

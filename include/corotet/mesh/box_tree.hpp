@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <corotet/core/assert.hpp>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/types.hpp>
 #include <cstdint>
 #include <limits>
@@ -175,7 +176,7 @@ class BoxTree {
       std::nth_element(first, order_.begin() + middle, last, [&](Index a, Index b) {
         const double ca = boxes[at(a)].low[axis] + boxes[at(a)].high[axis];
         const double cb = boxes[at(b)].low[axis] + boxes[at(b)].high[axis];
-        return ca != cb ? ca < cb : a < b;
+        return detail::exactly_equal(ca, cb) ? a < b : ca < cb;
       });
       stack[at(top++)] = {middle, range.end, n};
       stack[at(top++)] = {range.begin, middle, nobody};

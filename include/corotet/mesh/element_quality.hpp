@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/jacobian.hpp>
 #include <corotet/element/reference_element.hpp>
@@ -56,7 +57,7 @@ enum class ElementDefect {
 namespace detail {
 
 /// 6 sqrt 2 (3/4)^(3/4): a regular tetrahedron of edge 1 has volume sqrt 2/12 and faces of area sqrt 3/4.
-inline const double regular_shape = 6 * std::numbers::sqrt2 * std::pow(0.75, 0.75);
+inline constexpr double regular_shape = 6 * std::numbers::sqrt2 * 0.8059274488676564;
 
 /// Degrees. Below and above: small and large dihedral angles. A square sliver with a dihedral of 30 has others of 137,
 /// a regular cap with 30 has 129.
@@ -136,7 +137,8 @@ template <ReferenceElement Element>
   // r = 3V/(sum of A), R = |a^2 b x c + b^2 c x a + c^2 a x b|/(12 V).
   const double circum =
       (a.squaredNorm() * b.cross(c) + b.squaredNorm() * c.cross(a) + c.squaredNorm() * a.cross(b)).norm();
-  if (six_volumes != 0 && circum > 0) quality.radius_ratio = 3 * six_volumes * six_volumes / (areas * circum);
+  if (!detail::is_zero(six_volumes) && circum > 0)
+    quality.radius_ratio = 3 * six_volumes * six_volumes / (areas * circum);
 
   double scaled_volume = six_volumes / 6;
   if constexpr (Element::order > 1) {

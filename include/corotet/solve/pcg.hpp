@@ -103,7 +103,7 @@ class Pcg {
                double& energy, SolveReport& report, E& executor) {
     detail::RecentGains<P::error_delay> gains;
     // What the recursion has left below this is rounding: a small system is solved before the gains tell.
-    constexpr double rounding = std::numeric_limits<Scalar>::epsilon() / 4;
+    constexpr auto rounding = static_cast<double>(std::numeric_limits<Scalar>::epsilon()) / 4;
     p_ = z_;
     while ((std::max)(rz, gains.sum()) > wanted * energy && rz > rounding * rounding * energy) {
       if (report.iterations == max_iterations) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/mesh/io/file_bytes.hpp>
 #include <corotet/mesh/io/tet_sink.hpp>
@@ -57,7 +58,8 @@ inline void read_tetgen_elements(TextScanner& in, TetSink& sink, VertexRange ran
       const double attribute = in.number("an attribute");
       if (k == 0) region = attribute;  // -A writes the region here
     }
-    const bool whole = std::nearbyint(region) == region && std::fabs(region) <= (std::numeric_limits<int>::max)();
+    const bool whole =
+        exactly_equal(std::nearbyint(region), region) && std::fabs(region) <= (std::numeric_limits<int>::max)();
     odd_attributes = odd_attributes || !whole;
     if (in.ok()) sink.add(nodes, tetgen_order, whole ? static_cast<int>(region) : 0);
   }

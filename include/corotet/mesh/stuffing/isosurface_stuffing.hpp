@@ -84,7 +84,7 @@ inline MeshData fill_lattice(const BccLattice& lattice, const CutLattice& cut) {
       const Index c = cut.find_cut(v.a, v.b);
       return number(of_cut[at(c)], [&] {
         const Vec3<double> a = lattice.position(cut.cuts[at(c)].ends.first);
-        return Vec3<double>(a + cut.cuts[at(c)].along * (lattice.position(cut.cuts[at(c)].ends.second) - a));
+        return a + cut.cuts[at(c)].along * (lattice.position(cut.cuts[at(c)].ends.second) - a);
       });
     }
     return number(of_lattice[at(v.a)], [&] {
