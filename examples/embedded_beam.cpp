@@ -134,7 +134,7 @@ bool run(const std::string& folder, int frames) {
     }
     const std::string number = std::to_string(1000 + frame).substr(1) + ".vtu";
     const double time = double(frame) * steps_per_frame * h;
-    for (const Status& s :
+    for (const Result<void>& s :
          {write_vtu(folder + "/surface_" + number,
                     {.points = positions, .cells = vtu_cells(gear), .point_data = {{"normal", normals}}}),
           write_vtu(folder + "/body_" + number, {.points = nodes, .cells = vtu_cells(*cage)}),
@@ -148,7 +148,7 @@ bool run(const std::string& folder, int frames) {
 
   const std::string page = folder + "/beam.html", picture = folder + "/beam.svg";
   const Index last = size_of(animation.surface_frames) - 1;  // of the pictures; it has swung down by half of them
-  for (const Status& s : {write_animation_html(page, animation),
+  for (const Result<void>& s : {write_animation_html(page, animation),
                           write_filmstrip_svg(picture, animation, {.frames = {0, last / 6, last / 3, last / 2}})})
     if (!s) return complain(s.error());
   std::printf("To see it move, open %s in a browser; %s is a picture of four of its frames\n", page.c_str(),

@@ -64,7 +64,7 @@ bool run(const TetMesh<double, Tet10>& mesh, const std::string& folder) {
     if (folder.empty()) return;
     Field<double> position;
     for (Index v = 0; v < mesh.vertex_count(); ++v) position.push_back(body.position(v));
-    const Status status = write_vtu(
+    const Result<void> status = write_vtu(
         folder + "/" + std::string(Rotation::name) + ".vtu",
         {.points = position, .cells = vtu_cells(mesh), .point_data = {{"displacement", body.displacements()}}});
     if (!status) std::fprintf(stderr, "%s\n", status.error().message().c_str());

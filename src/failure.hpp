@@ -20,7 +20,7 @@ template <class T>
   return std::move(result).value();
 }
 
-inline void require(const Status& status) {
+inline void require(const Result<void>& status) {
   if (!status) throw Failure(status.error().message());
 }
 

@@ -29,7 +29,7 @@ class Problems {
   }
 
   /// Notes the error of a library call under `key`, if there is one.
-  void check(const std::string& key, const Status& status) {
+  void check(const std::string& key, const Result<void>& status) {
     if (!status) add(key, status.error().message());
   }
 

@@ -59,11 +59,11 @@ class Simulation {
   [[nodiscard]] virtual SimulationFacts facts() const = 0;
 
   /// Replaces the state; one entry a vertex.
-  virtual Status set_positions(const Field<double>& positions) = 0;
-  virtual Status set_velocities(const Field<double>& velocities) = 0;
+  virtual Result<void> set_positions(const Field<double>& positions) = 0;
+  virtual Result<void> set_velocities(const Field<double>& velocities) = 0;
 
   /// One for the whole body, or one an element. The mass follows.
-  virtual Status set_materials(const Materials& materials) = 0;
+  virtual Result<void> set_materials(const Materials& materials) = 0;
 
   /// Forces besides gravity from now on, N, one a vertex. One that is infinite in this precision refuses the step.
   virtual void set_forces(const Field<double>& forces) = 0;

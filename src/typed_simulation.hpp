@@ -56,21 +56,21 @@ class TypedSimulation final : public Simulation {
     return facts;
   }
 
-  Status set_positions(const Field<double>& positions) override {
+  Result<void> set_positions(const Field<double>& positions) override {
     Field<Scalar> displacements(positions.size());
     for (Index v = 0; v < size_of(positions); ++v)
       displacements[at(v)] = (positions[at(v)] - rest(v)).template cast<Scalar>();
     return body_.set_displacements(displacements);
   }
 
-  Status set_velocities(const Field<double>& velocities) override {
+  Result<void> set_velocities(const Field<double>& velocities) override {
     Field<Scalar> rounded;
     rounded.reserve(velocities.size());
     for (const Vec3<double>& v : velocities) rounded.push_back(v.template cast<Scalar>());
     return body_.set_velocities(rounded);
   }
 
-  Status set_materials(const Materials& materials) override { return body_.set_materials(materials); }
+  Result<void> set_materials(const Materials& materials) override { return body_.set_materials(materials); }
 
   void set_forces(const Field<double>& forces) override {
     for (Index v = 0; v < size_of(forces); ++v) body_.external_forces()[at(v)] = forces[at(v)].template cast<Scalar>();

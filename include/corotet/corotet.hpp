@@ -1,6 +1,42 @@
 // Everything that needs Eigen alone. Opt-in headers (core/tbb_executor.hpp, solve/cholmod.hpp) are included by name.
 #pragma once
 
+#include <corotet/core/macros_off.hpp>
+
+// Those headers of the standard library that the library uses: libstdc++ does not survive macros named min and max.
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <ranges>
+#include <span>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+#include <version>
+
+#include <corotet/core/macros_on.hpp>
+
 #include <corotet/assembly/add_twist.hpp>
 #include <corotet/assembly/assemble.hpp>
 #include <corotet/assembly/block_matrix.hpp>

@@ -60,7 +60,7 @@ Verdict unlike_halves(const Configuration& configuration, bool stiff_is_heavy) {
       for (int k = 0; k < mesh.nodes_per_element; ++k) of_stiff[at(nodes[k])] = true;
   }
   Verdict verdict;
-  const Status status = trial.body().set_materials(materials);
+  const Result<void> status = trial.body().set_materials(materials);
   verdict.expect(status.ok(), "the materials are refused");
   trial.push([&](Index v) { return (of_stiff[at(v)] ? Vec3<double>(1, 0.5, 0) : Vec3<double>(0, 0, 0.2)).eval(); });
   const Vec3<double> before = trial.momentum();

@@ -112,7 +112,7 @@ Verdict bad_step(const Configuration& configuration) {
   for (const double bad : {nan, inf}) {
     Field<double> field(at(trial.vertices()), Vec3<double>::Zero());
     field[13].z() = bad;
-    for (const Status& status : {body.set_positions(field), body.set_velocities(field)})
+    for (const Result<void>& status : {body.set_positions(field), body.set_velocities(field)})
       verdict.expect(!status.ok() && status.error().message().find("13") != std::string::npos,
                      "a state that is not finite: not refused by name");
     verdict.expect(state() == before, "a refused state: the state has changed");

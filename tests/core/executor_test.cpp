@@ -44,8 +44,8 @@ TEST(Result, HoldsAValueOrAnError) {
   ASSERT_FALSE(error.ok());
   EXPECT_EQ(error.error().code, ErrorCode::empty_mesh);
   EXPECT_EQ(error.error().message(), "beam.msh:12: no elements");
-  EXPECT_TRUE(Status().ok());
-  EXPECT_EQ(Status(Error{ErrorCode::unsupported, "", "why"}).error().message(), "why");
+  EXPECT_TRUE(Result<void>().ok());
+  EXPECT_EQ(Result<void>(Error{ErrorCode::unsupported, "", "why"}).error().message(), "why");
 }
 
 int assertions_seen = 0;

@@ -337,7 +337,7 @@ TYPED_TEST(Dynamics, BadInputIsRefusedByNameAndChangesNothing) {
 
     Field<Scalar> field(at(body.vertex_count()), Vec3<Scalar>::Zero());
     field[4].z() = bad;
-    const Status displaced = body.set_displacements(field);
+    const Result<void> displaced = body.set_displacements(field);
     ASSERT_FALSE(displaced.ok());
     EXPECT_EQ(displaced.error().code, ErrorCode::non_finite_value);
     EXPECT_NE(displaced.error().where.find("vertex 4"), std::string::npos);

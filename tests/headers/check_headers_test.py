@@ -56,6 +56,12 @@ class CheckHeaders(unittest.TestCase):
             "assert(x);",
             "#define ALIGN 16",
             "#undef COROTET_X",
+            "double near;",
+            "class Status;",
+            "template <int... I>",
+            "y = std::max(1, 2);",
+            "std::numeric_limits<int>::min();",
+            "using std::abs; z = abs (x);",
         ]:
             found = self.run_rule("forbidden", {"corotet/core/a.hpp": "int x;\n" + code + "\n"})
             self.assertEqual(len(found), 1, (code, found))
@@ -69,8 +75,12 @@ class CheckHeaders(unittest.TestCase):
 const char* text = "throw \\" exit(1)";
 char quote = '"'; int million = 1'000'000; char other = '"';
 static_assert(true); trap_on_assert(); at(i); std::snprintf(b, n, f); retry(); on_exit_code(3);
+(std::max)(1, 2); (std::numeric_limits<int>::min)(); cwiseMin(x); lane_abs(x); nearest(); int max = 1; Result<void> check_it();
 """
         self.assertEqual(self.run_rule("forbidden", {"corotet/core/a.hpp": code}), [])
+
+    def test_the_headers_that_put_macros_aside_may(self):
+        self.assertEqual(self.run_rule("forbidden", {"corotet/core/macros_off.hpp": "#undef near\n"}), [])
 
     def test_length_limits(self):
         self.assertEqual(self.run_rule("length", {"corotet/core/a.hpp": "x\n" * 299}), [])

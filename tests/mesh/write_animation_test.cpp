@@ -193,8 +193,8 @@ TEST(WriteAnimation, BadInputIsRefusedByName) {
   for (const Case& c : cases) {
     Animation animation = growing_cube();
     c.spoil(animation);
-    const Status page = write_animation_html(folder / "x.html", animation);
-    const Status picture = write_filmstrip_svg(folder / "x.svg", animation);
+    const Result<void> page = write_animation_html(folder / "x.html", animation);
+    const Result<void> picture = write_filmstrip_svg(folder / "x.svg", animation);
     ASSERT_FALSE(page.ok()) << c.where;
     ASSERT_FALSE(picture.ok()) << c.where;
     EXPECT_EQ(page.error().where, c.where) << page.error().message();

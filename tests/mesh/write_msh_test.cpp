@@ -28,7 +28,7 @@ TEST_P(MshVariants, RoundTripIsExact) {
 
 TEST_P(MshVariants, RoundTripThroughAFileIsExact) {
   const TemporaryFolder folder;
-  const Status written = write_msh(folder / "mesh", mesh, options);
+  const Result<void> written = write_msh(folder / "mesh", mesh, options);
   ASSERT_TRUE(written) << written.error().message();
   const auto back = read_mesh(folder / "mesh");
   ASSERT_TRUE(back) << back.error().message();
@@ -109,7 +109,7 @@ TEST(WriteMsh, RefusesBrokenMeshes) {
 
 TEST(WriteMsh, SaysWhereItCannotWrite) {
   const TemporaryFolder folder;
-  const Status status = write_msh(folder / "no/such/folder.msh", awkward_mesh(1, false));
+  const Result<void> status = write_msh(folder / "no/such/folder.msh", awkward_mesh(1, false));
   ASSERT_FALSE(status);
   EXPECT_EQ(status.error().code, ErrorCode::file_unreadable);
   EXPECT_NE(status.error().where.find("folder.msh"), std::string::npos);

@@ -32,7 +32,7 @@ T must(Result<T> result) {
   return std::move(result).value();
 }
 
-inline void must(const Status& status) { ASSERT_TRUE(status.ok()) << status.error().message(); }
+inline void must(const Result<void>& status) { ASSERT_TRUE(status.ok()) << status.error().message(); }
 
 template <class Scalar, class Element>
 TetMesh<Scalar, Element> block(BlockOptions options) {

@@ -18,9 +18,9 @@ struct DeformationExtremes {
 
   void merge(const DeformationExtremes& other) {
     inverted_elements += other.inverted_elements;
-    largest_strain2 = std::max(largest_strain2, other.largest_strain2);
-    least_rotation_trace = std::min(least_rotation_trace, other.least_rotation_trace);
-    largest_stress2 = std::max(largest_stress2, other.largest_stress2);
+    largest_strain2 = (std::max)(largest_strain2, other.largest_strain2);
+    least_rotation_trace = (std::min)(least_rotation_trace, other.least_rotation_trace);
+    largest_stress2 = (std::max)(largest_stress2, other.largest_stress2);
     energy += other.energy;
   }
 
@@ -49,7 +49,7 @@ struct DeformationExtremesLanes {
   /// The stress 2 e + volumetric I, over mu, at one point. A mean stress gives each of its elements its share.
   void add_stress(const StrainLanes<Scalar>& e, const L& volumetric, const L& root_stiffness) {
     largest_stress2 =
-        max(largest_stress2, L(4) * e.squared_norm() + volumetric * (L(4) * e.trace() + L(3) * volumetric));
+        lane_max(largest_stress2, L(4) * e.squared_norm() + volumetric * (L(4) * e.trace() + L(3) * volumetric));
     energy += strain_energy(e, volumetric, root_stiffness);
   }
 

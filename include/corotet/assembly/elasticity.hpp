@@ -168,13 +168,13 @@ class Elasticity {
   /// F and R at each quadrature point of a batch, and the least determinant of F in each element.
   static Lanes<Scalar> deformation(const Batch& batch, const Field<Scalar>& displacement,
                                    std::array<Mat3Lanes<Scalar>, points>& f, std::array<Mat3Lanes<Scalar>, points>& r) {
-    std::array<Vec3Lanes<Scalar>, nodes> u;
+    std::array<Vec3Lanes<Scalar>, std::size_t{nodes}> u;
     batch.gather(displacement.data(), u);
     for (std::size_t q = 0; q < points; ++q) batch.displacement_gradient(q, u, f[q]);
     Lanes<Scalar> least = 1;
     for (std::size_t q = 0; q < points; ++q) {
       for (int i = 0; i < 3; ++i) f[q](i, i) += 1;
-      least = min(least, determinant(f[q]));
+      least = lane_min(least, determinant(f[q]));
     }
     extract_rotations<Rotation>(batch, f, least, r);
     return least;
@@ -188,7 +188,7 @@ class Elasticity {
 
     const bool own_mean = mean_.on() && !Mean::over_patches;
     const typename Mean::OfBatch mean = mean_.of_batch(batch, b, f, r);
-    std::array<Vec3Lanes<Scalar>, nodes> force, mean_gradient;
+    std::array<Vec3Lanes<Scalar>, std::size_t{nodes}> force, mean_gradient;
     std::array<L, points> volumetric;
     for (Vec3Lanes<Scalar>& node : force)
       for (L& component : node) component = 0;
@@ -198,8 +198,8 @@ class Elasticity {
     for (std::size_t q = 0; q < points; ++q) {
       const Mat3Lanes<Scalar>&fq = f[q], &rq = r[q];
       const Strain e = corotational_strain(fq, rq);
-      extremes.largest_strain2 = max(extremes.largest_strain2, e.squared_norm());
-      extremes.least_trace = min(extremes.least_trace, rq(0, 0) + rq(1, 1) + rq(2, 2));
+      extremes.largest_strain2 = lane_max(extremes.largest_strain2, e.squared_norm());
+      extremes.least_trace = lane_min(extremes.least_trace, rq(0, 0) + rq(1, 1) + rq(2, 2));
 
       const Mat3Lanes<Scalar>& inverse = batch.point[q].inverse_jacobian;
       Mat3Lanes<Scalar> stress, rotated, rotated_stress, natural_stress;

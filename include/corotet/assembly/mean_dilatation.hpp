@@ -68,7 +68,7 @@ class MeanDilatation {
   /// Of lambda / mu, the part that acts at each quadrature point.
   [[nodiscard]] double pointwise(double lame_ratio) const {
     constexpr double most = over_patches ? 0 : 2;
-    return on_ ? std::min(lame_ratio, most) : lame_ratio;
+    return on_ ? (std::min)(lame_ratio, most) : lame_ratio;
   }
 
   /// The rest of an element's lambda / mu. Call `update_weights` after the last one.

@@ -107,7 +107,7 @@ class TwistModes {
     const L x = e[0] + shift, y = e[1] + shift, z = e[2] + shift;
     const L minor_x = y * z - e[3] * e[3], minor_y = z * x - e[4] * e[4], minor_z = x * y - e[5] * e[5];
     const L determinant = x * minor_x - e[5] * (e[5] * z - e[3] * e[4]) + e[4] * (e[5] * e[3] - y * e[4]);
-    const L least = min(x + y + z, min(minor_x + minor_y + minor_z, determinant));
+    const L least = lane_min(x + y + z, lane_min(minor_x + minor_y + minor_z, determinant));
     return !(least < L(0)).any();
   }
 
@@ -121,7 +121,7 @@ class TwistModes {
       for (int p = 0; p < 3; ++p) {
         const int q = (p + 1) % 3, k = (p + 2) % 3;
         const L off = a(p, q) + a(p, q), difference = a(q, q) - a(p, p);
-        const L size = abs(difference) + sqrt(difference * difference + off * off);
+        const L size = lane_abs(difference) + sqrt(difference * difference + off * off);
         const L t = select(size > L(0), select(difference < L(0), -off, off) / select(size > L(0), size, L(1)), L(0));
         const L c = L(1) / sqrt(L(1) + t * t), s = t * c;
         const L shift = t * a(p, q);
@@ -152,16 +152,17 @@ class TwistModes {
     }
     diagonalise(e, n);
     const L trace = strain[0] + strain[1] + strain[2];
-    const L least = L(Scalar(1e-3)) * (L(1) + abs(trace + L(3)));  // of s_i + s_j, which an inversion may make zero
+    const L least =
+        L(Scalar(1e-3)) * (L(1) + lane_abs(trace + L(3)));  // of s_i + s_j, which an inversion may make zero
     // Exact: all of each mode, or what is positive of it; else what exceeds the threshold.
     const L threshold = L(tangent_ == Tangent::exact ? Scalar(0) : most_left_);
     const L lowest = L(projects_ ? Scalar(0) : std::numeric_limits<Scalar>::lowest());
     SymmetricLanes h;
     h.fill(L(0));
     for (int k = 0; k < 3; ++k) {
-      const L sum = max(L(2) + trace - e(k, k), least);
+      const L sum = lane_max(L(2) + trace - e(k, k), least);
       const L stiffness = L(2) + (L(2) * pressure - L(4)) / sum;  // over mu
-      const L half = L(Scalar(0.5)) * max(stiffness - threshold, lowest);
+      const L half = L(Scalar(0.5)) * lane_max(stiffness - threshold, lowest);
       Vec3Lanes<Scalar> axis;
       for (int i = 0; i < 3; ++i) axis[at(i)] = r(i, 0) * n(0, k) + r(i, 1) * n(1, k) + r(i, 2) * n(2, k);
       for (std::size_t i = 0; i < 3; ++i) {

@@ -1,7 +1,12 @@
 // Fields as Eigen's vectors, for programs that compute with Eigen.
 #pragma once
 
+#include <corotet/core/macros_off.hpp>
+
 #include <Eigen/Core>
+
+#include <corotet/core/macros_on.hpp>
+
 #include <corotet/core/types.hpp>
 
 namespace corotet {

@@ -57,13 +57,14 @@ class alignas(64) Lanes {
  public:
   static constexpr int size = lane_count<Scalar>;
   using Mask = LaneMask<Scalar>;
+  using Numbers = std::array<Scalar, std::size_t{size}>;
 
   Lanes() = default;
   /// The same number in all lanes.
   COROTET_ALWAYS_INLINE Lanes(Scalar value) : pack_(value) {}  // NOLINT(google-explicit-constructor): as a scalar
 
   [[nodiscard]] Scalar operator[](int lane) const { return values()[at(lane)]; }
-  [[nodiscard]] std::array<Scalar, size> values() const { return std::bit_cast<std::array<Scalar, size>>(pack_); }
+  [[nodiscard]] Numbers values() const { return std::bit_cast<Numbers>(pack_); }
   void set(int lane, Scalar value) {
     std::memcpy(reinterpret_cast<char*>(&pack_) + at(lane) * sizeof(Scalar), &value, sizeof(Scalar));
   }
@@ -102,11 +103,11 @@ class alignas(64) Lanes {
     return Lanes(detail::map<Pack>([](const auto& x, const auto& y, const auto& m) { return m ? x : y; }, a.pack_,
                                    b.pack_, mask.bits()));
   }
-  friend COROTET_ALWAYS_INLINE Lanes max(const Lanes& a, const Lanes& b) { return select(b < a, a, b); }
-  friend COROTET_ALWAYS_INLINE Lanes min(const Lanes& a, const Lanes& b) { return select(a < b, a, b); }
-  friend COROTET_ALWAYS_INLINE Lanes abs(const Lanes& a) { return select(a < Lanes(0), -a, a); }
+  friend COROTET_ALWAYS_INLINE Lanes lane_max(const Lanes& a, const Lanes& b) { return select(b < a, a, b); }
+  friend COROTET_ALWAYS_INLINE Lanes lane_min(const Lanes& a, const Lanes& b) { return select(a < b, a, b); }
+  friend COROTET_ALWAYS_INLINE Lanes lane_abs(const Lanes& a) { return select(a < Lanes(0), -a, a); }
   friend Lanes sqrt(const Lanes& a) {
-    std::array<Scalar, size> root = a.values();
+    Numbers root = a.values();
     for (Scalar& x : root) x = std::sqrt(x);
     return Lanes(std::bit_cast<Pack>(root));
   }
@@ -128,7 +129,7 @@ class alignas(64) Lanes {
       std::array<std::array<Scalar, std::size_t{lanes}>, 4> part;
       const std::array<const P*, 4> source{&x, &y, &z, &w};
       for (std::size_t i = 0; i < 4; ++i) std::memcpy(part[i].data(), source[i], sizeof(P));
-      for (int l = 0; l < std::min(lanes, count); ++l)
+      for (int l = 0; l < (std::min)(lanes, count); ++l)
         for (std::size_t i = 0; i < 4; ++i) out[at(l) * stride + i] = part[i][at(l)];
     } else if constexpr (detail::Whole<P>) {
       const auto quads =

@@ -18,13 +18,14 @@ namespace detail {
 template <class E, int R, int C>
 concept EigenMatrix = requires(const E& e) {
   e.derived().eval().coeff(0, 0);
-  requires int{E::RowsAtCompileTime} == R && int{E::ColsAtCompileTime} == C;
+  requires int { E::RowsAtCompileTime }
+  == R&& int{E::ColsAtCompileTime} == C;
 };
 
 /// A matrix of Eigen's of this size that holds its own numbers.
 template <class E, class T, int R, int C>
-concept EigenStorage = EigenMatrix<E, R, C> && std::same_as<typename E::PlainObject, E> &&
-                       std::same_as<typename E::Scalar, T>;
+concept EigenStorage =
+    EigenMatrix<E, R, C> && std::same_as<typename E::PlainObject, E> && std::same_as<typename E::Scalar, T>;
 
 }  // namespace detail
 
@@ -40,13 +41,13 @@ struct Matrix {
   /// Holds no numbers yet.
   Matrix() = default;
   constexpr Matrix(T x, T y)
-    requires(R * C == 2)
+    requires(R* C == 2)
       : value_{x, y} {}
   constexpr Matrix(T x, T y, T z)
-    requires(R * C == 3)
+    requires(R* C == 3)
       : value_{x, y, z} {}
   constexpr Matrix(T x, T y, T z, T w)
-    requires(R * C == 4)
+    requires(R* C == 4)
       : value_{x, y, z, w} {}
   template <class E>
     requires detail::EigenMatrix<E, R, C>
@@ -73,7 +74,7 @@ struct Matrix {
   [[nodiscard]] static constexpr Matrix Ones() { return Constant(T(1)); }
   [[nodiscard]] static constexpr Matrix Identity() {
     Matrix m = Zero();
-    for (int i = 0; i < std::min(R, C); ++i) m(i, i) = T(1);
+    for (int i = 0; i < (std::min)(R, C); ++i) m(i, i) = T(1);
     return m;
   }
   [[nodiscard]] static constexpr Matrix UnitX() { return unit(0); }
@@ -96,20 +97,20 @@ struct Matrix {
   [[nodiscard]] constexpr T& operator()(int row, int column) { return value_[column * R + row]; }
   [[nodiscard]] constexpr const T& operator()(int row, int column) const { return value_[column * R + row]; }
   /// Number i, by columns.
-  template <std::integral I>
-  [[nodiscard]] constexpr T& operator[](I i) {
+  template <std::integral Subscript>
+  [[nodiscard]] constexpr T& operator[](Subscript i) {
     return value_[i];
   }
-  template <std::integral I>
-  [[nodiscard]] constexpr const T& operator[](I i) const {
+  template <std::integral Subscript>
+  [[nodiscard]] constexpr const T& operator[](Subscript i) const {
     return value_[i];
   }
-  template <std::integral I>
-  [[nodiscard]] constexpr T& operator()(I i) {
+  template <std::integral Subscript>
+  [[nodiscard]] constexpr T& operator()(Subscript i) {
     return value_[i];
   }
-  template <std::integral I>
-  [[nodiscard]] constexpr const T& operator()(I i) const {
+  template <std::integral Subscript>
+  [[nodiscard]] constexpr const T& operator()(Subscript i) const {
     return value_[i];
   }
   [[nodiscard]] constexpr T& x() { return value_[0]; }
@@ -279,7 +280,7 @@ struct Matrix {
   void setZero() { *this = Zero(); }
 
   [[nodiscard]] COROTET_ALWAYS_INLINE constexpr Matrix cross(const Matrix& b) const
-    requires(R * C == 3)
+    requires(R* C == 3)
   {
     return {value_[1] * b[2] - value_[2] * b[1], value_[2] * b[0] - value_[0] * b[2],
             value_[0] * b[1] - value_[1] * b[0]};
@@ -289,8 +290,8 @@ struct Matrix {
     requires(R == 3 && C == 1)
   {
     // Across the axis that is farthest from it.
-    const int least = static_cast<int>(std::min_element(begin(), end(), [](T p, T q) { return std::abs(p) < std::abs(q); }) -
-                                       begin());
+    const int least = static_cast<int>(
+        std::min_element(begin(), end(), [](T p, T q) { return std::fabs(p) < std::fabs(q); }) - begin());
     return cross(unit(least)).normalized();
   }
   [[nodiscard]] COROTET_ALWAYS_INLINE constexpr T determinant() const
@@ -325,7 +326,7 @@ struct Matrix {
     return m;
   }
 
-  T value_[R * C];
+  T value_[std::size_t{R * C}];
 };
 
 template <class T, int R, int K, int C>

@@ -74,16 +74,17 @@ class [[nodiscard]] Result {
 };
 
 /// The outcome of something that returns nothing: success, or an `Error`.
-class [[nodiscard]] Status {
+template <>
+class [[nodiscard]] Result<void> {
  public:
-  Status() = default;
-  Status(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor): as in Result
+  Result() = default;
+  Result(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor): as above
 
   [[nodiscard]] bool ok() const { return !error_.has_value(); }
   explicit operator bool() const { return ok(); }
 
   [[nodiscard]] const Error& error() const {
-    COROTET_ASSERT(!ok(), "this Status is a success, it has no error");
+    COROTET_ASSERT(!ok(), "this Result is a success, it has no error");
     return *error_;
   }
 

@@ -64,20 +64,20 @@ using MaskInteger = std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_
 #if defined(__GNUC__)
 /// Four values of T for each of N items, given as one pack a value, in the order in which each item's four lie side by
 /// side: out[k] holds items k, 4 + k, 8 + k, ... Each register of the pack must hold four values or more.
-template <class V, int... I>
+template <class V, int... i>
 [[nodiscard]] COROTET_ALWAYS_INLINE std::array<V, 4> interleave4(const V& x, const V& y, const V& z, const V& w,
-                                                                 std::integer_sequence<int, I...>) {
-  constexpr int n = sizeof...(I);
+                                                                 std::integer_sequence<int, i...>) {
+  constexpr int n = sizeof...(i);
   // Within each group of four: x0 y0 x1 y1, x2 y2 x3 y3, and the same of z and w; then halves side by side.
-  const V a = __builtin_shufflevector(x, y, (I / 4 * 4 + I % 4 / 2 + I % 2 * n)...);
-  const V b = __builtin_shufflevector(x, y, (I / 4 * 4 + 2 + I % 4 / 2 + I % 2 * n)...);
-  const V c = __builtin_shufflevector(z, w, (I / 4 * 4 + I % 4 / 2 + I % 2 * n)...);
-  const V d = __builtin_shufflevector(z, w, (I / 4 * 4 + 2 + I % 4 / 2 + I % 2 * n)...);
+  const V a = __builtin_shufflevector(x, y, (i / 4 * 4 + i % 4 / 2 + i % 2 * n)...);
+  const V b = __builtin_shufflevector(x, y, (i / 4 * 4 + 2 + i % 4 / 2 + i % 2 * n)...);
+  const V c = __builtin_shufflevector(z, w, (i / 4 * 4 + i % 4 / 2 + i % 2 * n)...);
+  const V d = __builtin_shufflevector(z, w, (i / 4 * 4 + 2 + i % 4 / 2 + i % 2 * n)...);
   const auto low = [](const V& p, const V& q) {
-    return __builtin_shufflevector(p, q, (I / 4 * 4 + I % 2 + I % 4 / 2 * n)...);
+    return __builtin_shufflevector(p, q, (i / 4 * 4 + i % 2 + i % 4 / 2 * n)...);
   };
   const auto high = [](const V& p, const V& q) {
-    return __builtin_shufflevector(p, q, (I / 4 * 4 + 2 + I % 2 + I % 4 / 2 * n)...);
+    return __builtin_shufflevector(p, q, (i / 4 * 4 + 2 + i % 2 + i % 4 / 2 * n)...);
   };
   return {low(a, c), high(a, c), low(b, d), high(b, d)};
 }
@@ -86,9 +86,9 @@ template <class V, int... I>
 template <class V, class T, int... l>
 COROTET_ALWAYS_INLINE void store_quads(const std::array<V, 4>& quads, T* out, std::size_t stride,
                                        std::integer_sequence<int, l...>) {
-  typedef T Quad __attribute__((vector_size(4 * sizeof(T)), aligned(sizeof(T))));  // NOLINT(modernize-use-using)
-  ((*reinterpret_cast<Quad*>(out + static_cast<std::size_t>(l) * stride) =
-        __builtin_shufflevector(quads[l % 4], quads[l % 4], l / 4 * 4, l / 4 * 4 + 1, l / 4 * 4 + 2, l / 4 * 4 + 3)),
+  const auto store = [](const auto& quad, T* place) { __builtin_memcpy(place, &quad, 4 * sizeof(T)); };
+  (store(__builtin_shufflevector(quads[l % 4], quads[l % 4], l / 4 * 4, l / 4 * 4 + 1, l / 4 * 4 + 2, l / 4 * 4 + 3),
+         out + static_cast<std::size_t>(l) * stride),
    ...);
 }
 
@@ -97,6 +97,14 @@ template <class V>
 [[nodiscard]] COROTET_ALWAYS_INLINE V first_three(const V& v) {
   return __builtin_shufflevector(v, V{}, 0, 1, 2, 7);
 }
+#else
+// Named, but never called: without the extension no pack holds four values in one register.
+template <class V, int... i>
+std::array<V, 4> interleave4(const V& x, const V& y, const V& z, const V& w, std::integer_sequence<int, i...>);
+template <class V, class T, int... l>
+void store_quads(const std::array<V, 4>& quads, T* out, std::size_t stride, std::integer_sequence<int, l...>);
+template <class V>
+V first_three(const V& v);
 #endif
 
 /// f on each register of the arguments, for results of the same type as the first.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <corotet/core/assert.hpp>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
@@ -68,7 +69,8 @@ class AdaptiveStep {
     const std::uint64_t start = body.motion_revision();
     if (motion_ != start) {
       before_ = {};
-      known_ = std::all_of(body.displacements().begin(), body.displacements().end(), [](const Vec3<Scalar>& u) { return u.isZero(); });
+      known_ = std::all_of(body.displacements().begin(), body.displacements().end(),
+                           [](const Vec3<Scalar>& u) { return u.isZero(); });
     }
     const int most = options_.otherwise == Untrusted::divide ? 1 << options_.most_halvings : 1;
     StepReport report;
@@ -133,10 +135,10 @@ class AdaptiveStep {
     now.converged = before.converged && now.converged;
     if (now.solve == SolveStatus::converged) now.solve = before.solve;
     now.iterations += before.iterations;
-    now.residual = std::max(before.residual, now.residual);
+    now.residual = (std::max)(before.residual, now.residual);
     now.newton_iterations += before.newton_iterations;
     now.newton_converged = before.newton_converged && now.newton_converged;
-    now.newton_residual = std::max(before.newton_residual, now.newton_residual);
+    now.newton_residual = (std::max)(before.newton_residual, now.newton_residual);
     if (now.distrust == Distrust::none) now.distrust = before.distrust;
     return now;
   }
@@ -146,12 +148,13 @@ class AdaptiveStep {
     const auto& pinned = body.pins().vertices();
     for (std::size_t p = 0; p < pinned.size(); ++p) {
       const Vec3<Scalar>& from = displacement_[at(pinned[p])];
-      body.pins().move(pinned[p], share == 1 ? target_[p] : (from + share * (target_[p] - from)));
+      body.pins().move(pinned[p],
+                       detail::exactly_equal(share, Scalar(1)) ? target_[p] : (from + share * (target_[p] - from)));
     }
   }
 
   void restore(Body& body) {
-    Status restored = body.set_displacements(displacement_);
+    Result<void> restored = body.set_displacements(displacement_);
     if (restored.ok()) restored = body.set_velocities(velocity_);
     COROTET_ASSERT(restored.ok(), "the state was the body's");
   }
@@ -164,5 +167,8 @@ class AdaptiveStep {
   StepReport before_;
   std::uint64_t motion_ = 0;  // in which the last step that was kept ended; no body has 0
 };
+
+template <class Integrator, class Body>
+AdaptiveStep(Integrator, const Body&) -> AdaptiveStep<Integrator, Body>;
 
 }  // namespace corotet

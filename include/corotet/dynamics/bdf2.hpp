@@ -55,7 +55,7 @@ class Bdf2 {
   /// Advances `body` by `h` seconds. Whatever happens is in the report; a refused step leaves the body untouched.
   /// `observer` is told of each phase as it begins.
   StepReport step(Body& body, Scalar h, ExecutorRef executor = {}, PhaseObserver observer = {}) {
-    StepReport report = implicit_.check(body, h);
+    StepReport report = implicit_.validate(body, h);
     if (!report.accepted()) return report;
     if (continues(body, h)) {
       const Scalar w = h / last_h_;
@@ -104,7 +104,7 @@ class Bdf2 {
     });
     const auto spread = [&](std::size_t square, std::size_t first) {  // about the mean
       const auto sum = Vec3<double>::load(&sums[first]);
-      return std::sqrt(std::max(0.0, sums[square] - sum.squaredNorm() / body.vertex_count()));
+      return std::sqrt((std::max)(0.0, sums[square] - sum.squaredNorm() / body.vertex_count()));
     };
     const double before = spread(0, 2), change = spread(1, 5);
     return h * static_cast<Scalar>(before > 0 ? std::clamp(2 - 2 * change / before, 0.0, 1.0) : 0.0);
@@ -117,5 +117,8 @@ class Bdf2 {
   Scalar last_h_ = 0;
   std::uint64_t motion_ = 0;  // of the state after the last step, if it can be continued; no body has 0
 };
+
+template <class Body>
+Bdf2(const Body&) -> Bdf2<Body>;
 
 }  // namespace corotet

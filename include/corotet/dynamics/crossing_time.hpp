@@ -40,7 +40,7 @@ template <std::floating_point Scalar, ReferenceElement Element>
   double least = std::numeric_limits<double>::infinity();
   for (Index e = 0; e < elements; ++e) {
     const Material& m = materials.of_element(at(e));
-    least = std::min(least, m.density / m.young);
+    least = (std::min)(least, m.density / m.young);
   }
   return thickness * std::sqrt(least);
 }

@@ -94,7 +94,7 @@ class EnergyBalance {
       gained -= static_cast<double>(pull.dot(body.displacements()[at(p)] - displacement_before[at(p)]));
     }
     const double stored = elastic_after_ + elastic_;
-    if (second_order) gained = excess_ = std::max(0.0, excess_ + gained);
+    if (second_order) gained = excess_ = (std::max)(0.0, excess_ + gained);
     if (!(gained > (rounding + (second_order ? most_gain : 0)) * (stored + kinetic_))) return false;
     return gained > noise(stored, equation.position_rounding(body, formula.c, executor));
   }

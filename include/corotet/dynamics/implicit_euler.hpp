@@ -38,7 +38,7 @@ class ImplicitEuler {
   /// Advances `body` by `h` seconds. Whatever happens is in the report; a refused step leaves the body untouched.
   /// `observer` is told of each phase as it begins.
   StepReport step(Body& body, Scalar h, ExecutorRef executor = {}, PhaseObserver observer = {}) {
-    const StepReport checked = implicit_.check(body, h);
+    const StepReport checked = implicit_.validate(body, h);
     if (!checked.accepted()) return checked;
     return implicit_.advance(body, backward_euler(body, h), executor, observer);
   }
@@ -46,5 +46,8 @@ class ImplicitEuler {
  private:
   ImplicitStep<Body, Solver> implicit_;
 };
+
+template <class Body>
+ImplicitEuler(const Body&) -> ImplicitEuler<Body>;
 
 }  // namespace corotet

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <corotet/core/assert.hpp>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/energy_balance.hpp>
@@ -48,7 +49,7 @@ class ImplicitStep {
   [[nodiscard]] const NewtonOptions& options() const { return options_; }
 
   /// See check_step. The body must be the one that this was made for, or a copy.
-  [[nodiscard]] StepReport check(const Body& body, Scalar h) const {
+  [[nodiscard]] StepReport validate(const Body& body, Scalar h) const {
     COROTET_ASSERT(body.pattern() == equation_.matrix().shared_pattern(), "this integrator was made for another body");
     return check_step(body, h, options_);
   }
@@ -148,12 +149,13 @@ class ImplicitStep {
       equation_.evaluate(body, displacement_, executor);
       equation_.linearise_here(body, formula, velocity_, executor);
       // What a correction of this size leaves if the error has shrunk as the gradient has.
-      const double shrunk = gradient > 0 ? std::min(1.0, equation_.right_side_norm(executor) / gradient) : 0.0;
+      const double shrunk = gradient > 0 ? (std::min)(1.0, equation_.right_side_norm(executor) / gradient) : 0.0;
       const double left = std::sqrt(decrement2) * shrunk;
       report.newton_residual = first_change > 0 ? left / first_change : 0;
-      report.newton_converged = fraction == 1 && (left <= options_.tolerance * first_change || rounding_hides);
+      report.newton_converged =
+          detail::exactly_equal(fraction, 1.0) && (left <= options_.tolerance * first_change || rounding_hides);
       last_decrement2 = decrement2;
-      done = report.newton_converged || fraction == 0 || report.newton_iterations >= most;
+      done = report.newton_converged || detail::is_zero(fraction) || report.newton_iterations >= most;
       if (!done) observer(StepPhase::assembly);
     }
 
@@ -239,7 +241,7 @@ class ImplicitStep {
       return finite ? 0.0 : 1.0;
     });
     place_pins(body);
-    return not_finite == 0;
+    return detail::is_zero(not_finite);
   }
 
   /// displacement_ = xbar + c (velocity_ + fraction change_).
@@ -264,7 +266,7 @@ class ImplicitStep {
     const SolveReport solve = solver_.solve(system, change_, executor);
     if (body.pins().vertices().empty()) equation_.settle_momentum(body, formula, velocity_, change_, executor);
     report.iterations += solve.iterations;
-    report.residual = std::max(report.residual, solve.residual);
+    report.residual = (std::max)(report.residual, solve.residual);
     return solve.status;
   }
 

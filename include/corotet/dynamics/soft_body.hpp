@@ -42,7 +42,7 @@ class SoftBody {
   /// A body at rest in its rest shape, free of pins, gravity and forces.
   /// Errors: invalid_argument for a material (see Materials::check) or negative damping.
   [[nodiscard]] static Result<SoftBody> create(Mesh mesh, const Materials& materials, const BodyOptions& options = {}) {
-    if (Status s = materials.template check<Scalar>(at(mesh.element_count())); !s) return s.error();
+    if (Result<void> s = materials.template validate<Scalar>(at(mesh.element_count())); !s) return s.error();
     for (const double damping : {options.damping.mass, options.damping.stiffness})
       if (!std::isfinite(damping) || damping < 0)
         return Error{ErrorCode::invalid_argument, "damping", "must be >= 0 and finite"};
@@ -64,14 +64,14 @@ class SoftBody {
   [[nodiscard]] Vec3<Scalar> position(Index vertex) const { return mesh_.position(vertex) + displacement_[at(vertex)]; }
 
   /// Replaces the state. Errors: invalid_argument (length), non_finite_value (names the vertex); nothing changes then.
-  Status set_displacements(std::span<const Vec3<Scalar>> displacement) {
-    if (Status s = check_field("displacements", displacement); !s) return s;
+  Result<void> set_displacements(std::span<const Vec3<Scalar>> displacement) {
+    if (Result<void> s = check_field("displacements", displacement); !s) return s;
     displacement_.assign(displacement.begin(), displacement.end());
     revision_ = motion_revision_ = new_revision();
     return {};
   }
-  Status set_velocities(std::span<const Vec3<Scalar>> velocity) {
-    if (Status s = check_field("velocities", velocity); !s) return s;
+  Result<void> set_velocities(std::span<const Vec3<Scalar>> velocity) {
+    if (Result<void> s = check_field("velocities", velocity); !s) return s;
     velocity_.assign(velocity.begin(), velocity.end());
     motion_revision_ = new_revision();
     return {};
@@ -109,8 +109,8 @@ class SoftBody {
   [[nodiscard]] std::span<const Vec3<Scalar>> external_forces() const { return external_force_; }
 
   /// New materials. The mass follows. Errors as for `create`; nothing changes then.
-  Status set_materials(const Materials& materials) {
-    if (Status s = materials.template check<Scalar>(at(mesh_.element_count())); !s) return s;
+  Result<void> set_materials(const Materials& materials) {
+    if (Result<void> s = materials.template validate<Scalar>(at(mesh_.element_count())); !s) return s;
     law_.set_materials(materials);
     mass_ = Mass<Scalar>(mesh_, materials, mass_.model(), *pattern_);
     crossing_time_ = corotet::crossing_time(thickness_, materials, mesh_.element_count());
@@ -156,7 +156,7 @@ class SoftBody {
         velocity_(displacement_),
         external_force_(displacement_) {}
 
-  [[nodiscard]] Status check_field(const char* name, std::span<const Vec3<Scalar>> field) const {
+  [[nodiscard]] Result<void> check_field(const char* name, std::span<const Vec3<Scalar>> field) const {
     if (field.size() != displacement_.size())
       return Error{
           ErrorCode::invalid_argument, name,

@@ -6,6 +6,7 @@
 #include <corotet/assembly/add_twist.hpp>
 #include <corotet/assembly/assemble.hpp>
 #include <corotet/assembly/block_matrix.hpp>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/system_era.hpp>
@@ -70,8 +71,8 @@ class StepEquation {
   /// together, for each wave length; so if s is less than sqrt(4/3 rho E) thickness / c, a twist mode of s / 2.
   void prepare(const Body& body, Scalar c) {
     const Scalar before = evaluation_.twist.left();
-    evaluation_.twist.leave(std::min(0.5, body.crossing_time() / double(c)));
-    if (evaluation_.twist.left() != before) revision_ = 0;
+    evaluation_.twist.leave((std::min)(0.5, body.crossing_time() / double(c)));
+    if (!detail::exactly_equal(evaluation_.twist.left(), before)) revision_ = 0;
   }
 
   /// Evaluates the body's displacement, unless that is what was evaluated last.
@@ -204,7 +205,7 @@ class StepEquation {
       double sum = 0;
       for (Index i = begin; i < end; ++i)
         sum += right_side_[at(i)].template cast<double>().squaredNorm() /  // whose range float would leave
-               std::abs(static_cast<double>(matrix_.diagonal(i).trace()));
+               std::fabs(static_cast<double>(matrix_.diagonal(i).trace()));
       return Sums{sum, 0};
     })[0]);
   }
@@ -215,7 +216,7 @@ class StepEquation {
       double part = 0;
       for (Index i = begin; i < end; ++i) {
         const Scalar size2 = body.mesh().position(i).squaredNorm() + body.displacements()[at(i)].squaredNorm();
-        part += std::abs(static_cast<double>(matrix_.diagonal(i).trace())) / 3 * static_cast<double>(size2);
+        part += std::fabs(static_cast<double>(matrix_.diagonal(i).trace())) / 3 * static_cast<double>(size2);
       }
       return Sums{part, 0};
     })[0];
@@ -232,7 +233,7 @@ class StepEquation {
   using Sums = RangeSums<2>::Sums;
 
   [[nodiscard]] static Scalar mass_factor(const Body& body, Scalar c) {
-    return static_cast<Scalar>(1 + c * body.damping().mass);
+    return static_cast<Scalar>(1 + static_cast<double>(c) * body.damping().mass);
   }
   [[nodiscard]] static Scalar body_damping(const Body& body) { return static_cast<Scalar>(body.damping().stiffness); }
   [[nodiscard]] static Scalar damping_factor(const Body& body, Scalar c) { return c * body_damping(body); }

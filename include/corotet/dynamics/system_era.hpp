@@ -31,7 +31,7 @@ class SystemEra {
   }
 
  private:
-  [[nodiscard]] static bool is_near(double a, double b) { return std::abs(a - b) <= 0.25 * b; }
+  [[nodiscard]] static bool is_near(double a, double b) { return std::fabs(a - b) <= 0.25 * b; }
 
   Settings begin_;  // of the first step of this era
   std::uint64_t era_ = 0;

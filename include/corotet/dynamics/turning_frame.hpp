@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/rotation/polar_robust.hpp>
@@ -109,7 +110,7 @@ class TurningFrame {
       }
       return finite ? 0.0 : 1.0;
     });
-    return not_finite == 0;
+    return detail::is_zero(not_finite);
   }
 
  private:
@@ -165,7 +166,7 @@ class TurningFrame {
     Matrix<double, 4, 4> inertia = Matrix<double, 4, 4>::Zero();  // the fourth axis has none
     inertia.set_block(0, 0, second.trace() * Mat3<double>::Identity() - (second + second.transpose()) / 2);
     const Matrix<double, 4, 4> axes = detail::diagonalise<double>(inertia);
-    const double least = std::numeric_limits<Scalar>::epsilon() * inertia.diagonal().maxCoeff();
+    const double least = static_cast<double>(std::numeric_limits<Scalar>::epsilon()) * inertia.diagonal().maxCoeff();
     Vec3<double> w = Vec3<double>::Zero();
     for (int k = 0; k < 4; ++k) {
       const Vec3<double> axis = axes.col(k).head<3>();

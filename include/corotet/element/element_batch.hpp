@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/lanes.hpp>
 #include <corotet/element/reference_element.hpp>
 
@@ -52,7 +53,7 @@ struct ElementBatch {
       for (std::size_t a = 0; a < Element::nodes; ++a)
         for (std::size_t c = 0; c < 3; ++c) {
           const auto gradient = static_cast<Scalar>(natural_gradients<Element>[q][a][c]);
-          if (gradient == 0) continue;
+          if (detail::is_zero(gradient)) continue;
           for (std::size_t i = 0; i < 3; ++i) natural.entry[i][c] += Lanes<Scalar>(gradient) * u[a][i];
         }
     }
@@ -74,7 +75,7 @@ struct ElementBatch {
         sum[i] = 0;
         for (std::size_t c = 0; c < 3; ++c) {
           const auto gradient = static_cast<Scalar>(natural_gradients<Element>[q][a][c]);
-          if (gradient != 0) sum[i] += Lanes<Scalar>(gradient) * row[c];
+          if (!detail::is_zero(gradient)) sum[i] += Lanes<Scalar>(gradient) * row[c];
         }
       }
     }

@@ -50,8 +50,8 @@ BoxTree element_tree(const TetMesh<Scalar, Element>& mesh) {
 /// Rounding of positions in the mesh's precision, m.
 template <std::floating_point Scalar>
 double position_rounding(const Box& bounds) {
-  return 4 * double{std::numeric_limits<Scalar>::epsilon()} *
-         std::max(bounds.low.cwiseAbs().maxCoeff(), bounds.high.cwiseAbs().maxCoeff());
+  return 4 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) *
+         (std::max)(bounds.low.cwiseAbs().maxCoeff(), bounds.high.cwiseAbs().maxCoeff());
 }
 
 /// A curved element may fold at its rim, where no quadrature point looks: there the linear extension starts from the
@@ -66,7 +66,7 @@ Vec3<double> usable_start(const ElementField<double, Element::order>& map, const
     Vec3<double> nearest = xi;
     for (const QuadraturePoint& q : Element::stiffness_points) {
       const Vec3<double> point(q.xi[0], q.xi[1], q.xi[2]);
-      smallest = std::min(smallest, map.gradient(point).determinant());
+      smallest = (std::min)(smallest, map.gradient(point).determinant());
       if (const double d2 = (point - xi).squaredNorm(); d2 < nearest2) {
         nearest2 = d2;
         nearest = point;
@@ -113,7 +113,7 @@ inline std::vector<Vec3<double>> unit_normals(std::span<const Vec3<double>> norm
   out.reserve(normals.size());
   for (const Vec3<double>& n : normals) {
     const double length = n.stableNorm();
-    out.push_back(length > 0 ? Vec3<double>(n / length) : Vec3<double>(0, 0, 1));
+    out.push_back(length > 0 ? n / length : Vec3<double>(0, 0, 1));
     if (!(length > 0)) ++replaced;
   }
   return out;
@@ -121,15 +121,15 @@ inline std::vector<Vec3<double>> unit_normals(std::span<const Vec3<double>> norm
 
 /// Lengths, and the first vertex that is not finite or too far from the mesh's origin.
 template <std::floating_point Scalar, ReferenceElement Element>
-Status check_surface(const TetMesh<Scalar, Element>& mesh, std::span<const Vec3<double>> positions,
-                     std::span<const Vec3<double>> normals) {
-  if (positions.size() > std::size_t{std::numeric_limits<Index>::max()} / 3)
+Result<void> check_surface(const TetMesh<Scalar, Element>& mesh, std::span<const Vec3<double>> positions,
+                           std::span<const Vec3<double>> normals) {
+  if (positions.size() > std::size_t{(std::numeric_limits<Index>::max)()} / 3)
     return Error{ErrorCode::unsupported, "surface", "it is too large for 32-bit indices"};
   if (!normals.empty() && normals.size() != positions.size())
     return Error{
         ErrorCode::invalid_argument, "surface",
         "it has " + std::to_string(positions.size()) + " vertices but " + std::to_string(normals.size()) + " normals"};
-  if (Status status = check_positions(positions, "surface vertex"); !status) return status;
+  if (Result<void> status = check_positions(positions, "surface vertex"); !status) return status;
   // In float, natural coordinates and moved positions need room below the end of the range.
   constexpr double largest = std::numeric_limits<Scalar>::max_exponent10 > 100 ? largest_coordinate : 1e30;
   for (std::size_t v = 0; v < positions.size(); ++v)

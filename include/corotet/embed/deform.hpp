@@ -26,7 +26,7 @@ template <std::floating_point Scalar, int order>
 struct BoundVertex {
   Index slot;  ///< of the element that carries it
   /// Tet4: xi + step, all that a linear field needs. Tet10: xi, then xi / 2 + step (see `ElementMotion`).
-  std::array<Vec3<Scalar>, order> where;
+  std::array<Vec3<Scalar>, std::size_t{order}> where;
   /// J^T N with the rest Jacobian J = dX/dxi: the normal in natural coordinates, unit length. cof(dx/dxi) takes it to
   /// the deformed normal, as cof(F) N = cof(dx/dxi) J^T N / det J.
   Vec3<Scalar> normal;
@@ -120,7 +120,7 @@ template <std::floating_point Scalar, ReferenceElement Element>
 Wide<Scalar> unit_normal(const Wide<Scalar>& cof_m, Scalar least_squared, const Vec3<Scalar>& m, const Vec3<Scalar>& xi,
                          const CarrierElement<Scalar, Element>& carrier) {
   const Scalar squared = cof_m.squaredNorm();
-  if (squared > least_squared && squared <= std::numeric_limits<Scalar>::max()) [[likely]]
+  if (squared > least_squared && squared <= (std::numeric_limits<Scalar>::max)()) [[likely]]
     return cof_m * (Scalar(1) / std::sqrt(squared));
   const Mat3<Scalar> rest = carrier.rest.gradient(xi) / carrier.size;
   return widen<Scalar>((cofactor(rest) * m).stableNormalized());

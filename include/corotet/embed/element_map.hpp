@@ -89,7 +89,7 @@ double bow(const NodePositions<Element>& x) {
   double most = 0;
   if constexpr (Element::order == 2)
     for (std::size_t e = 0; e < 6; ++e)
-      most = std::max(most, (x[4 + e] - (x[tet_edges[e].a] + x[tet_edges[e].b]) / 2).norm());
+      most = (std::max)(most, (x[4 + e] - (x[tet_edges[e].a] + x[tet_edges[e].b]) / 2).norm());
   return most;
 }
 

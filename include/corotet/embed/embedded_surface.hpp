@@ -38,7 +38,7 @@ class EmbeddedSurface {
   /// unsupported (too many).
   [[nodiscard]] static Result<EmbeddedSurface> bind(const Mesh& mesh, std::span<const Vec3<double>> rest_positions,
                                                     std::span<const Vec3<double>> rest_normals = {}, ExecutorRef executor = {}) {
-    if (Status status = detail::check_surface(mesh, rest_positions, rest_normals); !status) return status.error();
+    if (Result<void> status = detail::check_surface(mesh, rest_positions, rest_normals); !status) return status.error();
     const Index count = size_of(rest_positions);
     const BoxTree tree = detail::element_tree(mesh);
     const double rounding = detail::position_rounding<Scalar>(tree.bounds());
@@ -52,11 +52,11 @@ class EmbeddedSurface {
     surface.has_normals_ = !rest_normals.empty();
     surface.mesh_vertices_ = mesh.vertex_count();
     const auto normals = detail::unit_normals(rest_normals, surface.replaced_normals_);
-    std::vector<Index> slots(at(mesh.element_count()), unused);
+    std::vector<Index> slot_of(at(mesh.element_count()), unused);
     surface.vertices_.reserve(at(count));
     for (Index v = 0; v < count; ++v) {
       const detail::BoundPoint& point = points[at(v)];
-      Index& slot = slots[at(point.element)];
+      Index& slot = slot_of[at(point.element)];
       if (slot == unused) {
         slot = size_of(surface.elements_);
         surface.elements_.emplace_back(mesh, point.element);
@@ -68,7 +68,7 @@ class EmbeddedSurface {
       surface.boxes_visited_ += point.visited;
       if (point.distance > 0) {
         surface.outside_vertices_.push_back(v);
-        surface.largest_distance_ = std::max(surface.largest_distance_, point.distance);
+        surface.largest_distance_ = (std::max)(surface.largest_distance_, point.distance);
       }
     }
     surface.motions_.resize(surface.elements_.size());
@@ -78,10 +78,10 @@ class EmbeddedSurface {
   /// The same for a triangle surface. Where it has no normals, its vertices get the angle-weighted normals of its
   /// triangles. Further errors: index_out_of_range (names the triangle).
   [[nodiscard]] static Result<EmbeddedSurface> bind(const Mesh& mesh, const SurfaceMesh& surface, ExecutorRef executor = {}) {
-    if (Status status = detail::check_triangles(surface); !status) return status.error();
+    if (Result<void> status = detail::check_triangles(surface); !status) return status.error();
     if (!surface.normals.empty() || surface.triangles.empty())
       return bind(mesh, surface.positions, surface.normals, executor);
-    if (Status status = detail::check_surface(mesh, surface.positions, {}); !status) return status.error();
+    if (Result<void> status = detail::check_surface(mesh, surface.positions, {}); !status) return status.error();
     return bind(mesh, surface.positions, vertex_normals(surface), executor);
   }
 

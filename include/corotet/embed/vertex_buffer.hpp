@@ -12,7 +12,7 @@ namespace corotet {
 /// Interleaved vertices with float32 attributes, such as a mapped GPU buffer. Nothing is assumed about alignment, and
 /// nothing but the 12 bytes of each attribute is touched.
 struct VertexBuffer {
-  static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+  static constexpr std::size_t none = (std::numeric_limits<std::size_t>::max)();
 
   std::byte* data = nullptr;          ///< the first vertex
   std::size_t stride = 0;             ///< bytes from one vertex to the next

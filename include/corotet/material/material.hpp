@@ -24,13 +24,13 @@ struct Lame {
   double mu;
 };
 
-/// lambda = E nu / ((1+nu)(1-2nu)), mu = E / (2(1+nu)). The material must be valid: see `check`.
+/// lambda = E nu / ((1+nu)(1-2nu)), mu = E / (2(1+nu)). The material must be valid: see `validate`.
 [[nodiscard]] inline Lame lame(const Material& m) {
   return {m.young * m.poisson / ((1 + m.poisson) * (1 - 2 * m.poisson)), m.young / (2 * (1 + m.poisson))};
 }
 
 /// invalid_argument, naming `where` and the parameter, if one lies outside its range or is not finite.
-[[nodiscard]] inline Status check(const Material& m, const std::string& where = "material") {
+[[nodiscard]] inline Result<void> validate(const Material& m, const std::string& where = "material") {
   const auto refuse = [&](const char* name, double value, const char* range) {
     return Error{ErrorCode::invalid_argument, where + "." + name,
                  std::string("must be ") + range + ", is " + number_text(value)};
@@ -56,22 +56,22 @@ class Materials {
   /// invalid_argument if there is neither one material nor one for each of `elements`, or if one of them is invalid, or
   /// its Lamé parameters or its density lie outside the range of Scalar.
   template <std::floating_point Scalar>
-  [[nodiscard]] Status check(std::size_t elements) const {
+  [[nodiscard]] Result<void> validate(std::size_t elements) const {
     if (materials_.size() != 1 && materials_.size() != elements)
       return Error{ErrorCode::invalid_argument, "materials",
                    "there are " + std::to_string(materials_.size()) + " for " + std::to_string(elements) +
                        " elements; give one for all, or one for each"};
     for (std::size_t e = 0; e < materials_.size(); ++e) {
       const std::string where = materials_.size() == 1 ? "material" : "material of element " + std::to_string(e);
-      if (Status s = corotet::check(materials_[e], where); !s) return s;
+      if (Result<void> s = corotet::validate(materials_[e], where); !s) return s;
       const auto [lambda, mu] = lame(materials_[e]);
       for (const double parameter : {lambda, mu, materials_[e].density})
-        if (std::abs(parameter) > static_cast<double>(std::numeric_limits<Scalar>::max()))
+        if (std::fabs(parameter) > static_cast<double>((std::numeric_limits<Scalar>::max)()))
           return Error{ErrorCode::invalid_argument, where, number_text(parameter) + " is too large for this precision"};
       // Below the normal numbers digits are lost, and then all: a body without mass or stiffness.
       for (const auto& [name, parameter] :
            {std::pair{".young", materials_[e].young}, std::pair{".density", materials_[e].density}})
-        if (static_cast<Scalar>(parameter) < std::numeric_limits<Scalar>::min())
+        if (static_cast<Scalar>(parameter) < (std::numeric_limits<Scalar>::min)())
           return Error{ErrorCode::invalid_argument, where + name,
                        number_text(parameter) + " is too small for this precision"};
     }

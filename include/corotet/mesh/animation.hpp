@@ -27,7 +27,7 @@ struct Animation {
 
 namespace detail {
 
-inline Status validate_frames(const std::vector<Field<double>>& frames, const std::string& name) {
+inline Result<void> validate_frames(const std::vector<Field<double>>& frames, const std::string& name) {
   for (std::size_t k = 0; k < frames.size(); ++k) {
     if (frames[k].size() != frames[0].size())
       return Error{ErrorCode::invalid_argument, name + "[" + std::to_string(k) + "]",
@@ -42,7 +42,7 @@ inline Status validate_frames(const std::vector<Field<double>>& frames, const st
 }
 
 template <std::size_t Corners>
-Status validate_indices(const std::vector<std::array<Index, Corners>>& shapes, std::size_t vertices,
+Result<void> validate_indices(const std::vector<std::array<Index, Corners>>& shapes, std::size_t vertices,
                         std::string_view name) {
   for (std::size_t i = 0; i < shapes.size(); ++i)
     for (const Index v : shapes[i])
@@ -66,14 +66,14 @@ inline AnimationBox box_of(const Animation& animation) {
     for (const Field<double>& frame : *frames)
       for (const Vec3<double>& x : frame)
         for (int i = 0; i < 3; ++i) {
-          low[i] = std::min(low[i], x[i]);
-          high[i] = std::max(high[i], x[i]);
+          low[i] = (std::min)(low[i], x[i]);
+          high[i] = (std::max)(high[i], x[i]);
         }
   if (!(low[0] <= high[0])) return {};
   AnimationBox box;
   box.low = low;
   box.extent = high - low;
-  box.longest = std::max({box.extent[0], box.extent[1], box.extent[2]});
+  box.longest = (std::max)({box.extent[0], box.extent[1], box.extent[2]});
   return box;
 }
 
@@ -82,7 +82,7 @@ inline AnimationBox box_of(const Animation& animation) {
 /// Whether the animation can be drawn. Errors: invalid_argument (frame_seconds, up, numbers of frames and of vertices),
 /// empty_mesh (no frames, no triangles), unsupported (more triangles than 32-bit indices can number three times),
 /// index_out_of_range, non_finite_value (a position; a size beyond the range of double).
-[[nodiscard]] inline Status validate(const Animation& animation) {
+[[nodiscard]] inline Result<void> validate(const Animation& animation) {
   if (!(animation.frame_seconds > 0) || !std::isfinite(animation.frame_seconds))
     return Error{ErrorCode::invalid_argument, "frame_seconds", "it must be a finite number greater than 0"};
   if (!all_finite(animation.up) || (animation.up[0] == 0 && animation.up[1] == 0 && animation.up[2] == 0))
@@ -90,20 +90,20 @@ inline AnimationBox box_of(const Animation& animation) {
   const std::size_t frames = animation.surface_frames.size();
   if (frames == 0) return Error{ErrorCode::empty_mesh, "surface_frames", "there must be at least one frame"};
   if (animation.triangles.empty()) return Error{ErrorCode::empty_mesh, "triangles", "there must be at least one"};
-  if (animation.triangles.size() > at(std::numeric_limits<Index>::max() / 3))
+  if (animation.triangles.size() > at((std::numeric_limits<Index>::max)() / 3))
     return Error{ErrorCode::unsupported, "triangles", "there are more than 32-bit indices can number"};
   if (animation.line_frames.size() != (animation.lines.empty() ? 0 : frames))
     return Error{ErrorCode::invalid_argument, "line_frames",
                  "there are " + std::to_string(animation.line_frames.size()) + " for " + std::to_string(frames) +
                      " frames of the surface and " + std::to_string(animation.lines.size()) +
                      " lines; give as many, or none without lines"};
-  if (Status status = detail::validate_frames(animation.surface_frames, "surface_frames"); !status) return status;
-  if (Status status = detail::validate_frames(animation.line_frames, "line_frames"); !status) return status;
-  if (Status status = detail::validate_indices(animation.triangles, animation.surface_frames[0].size(), "triangle");
+  if (Result<void> status = detail::validate_frames(animation.surface_frames, "surface_frames"); !status) return status;
+  if (Result<void> status = detail::validate_frames(animation.line_frames, "line_frames"); !status) return status;
+  if (Result<void> status = detail::validate_indices(animation.triangles, animation.surface_frames[0].size(), "triangle");
       !status)
     return status;
   if (!animation.lines.empty())
-    if (Status status = detail::validate_indices(animation.lines, animation.line_frames[0].size(), "line"); !status)
+    if (Result<void> status = detail::validate_indices(animation.lines, animation.line_frames[0].size(), "line"); !status)
       return status;
   if (!std::isfinite(detail::box_of(animation).longest))
     return Error{ErrorCode::non_finite_value, "surface_frames", "the size of the whole is beyond the range of double"};

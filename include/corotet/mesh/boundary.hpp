@@ -131,10 +131,10 @@ Result<BoundarySurface> extract_boundary(Index element_count, int nodes_per_elem
 inline int volume_sign(const std::vector<Vec3<double>>& x, const Index* nodes) {
   double size = 0, largest = 0;
   for (int a = 0; a < 4; ++a) {
-    size = std::max(size, (x[at(nodes[a])] - x[at(nodes[0])]).norm());
-    largest = std::max(largest, x[at(nodes[a])].cwiseAbs().maxCoeff());
+    size = (std::max)(size, (x[at(nodes[a])] - x[at(nodes[0])]).norm());
+    largest = (std::max)(largest, x[at(nodes[a])].cwiseAbs().maxCoeff());
   }
-  const double rounding = 4 * std::numeric_limits<double>::epsilon() * size * size * std::max(size, largest);
+  const double rounding = 4 * std::numeric_limits<double>::epsilon() * size * size * (std::max)(size, largest);
   const double determinant = 6 * corner_volume(x, nodes);
   return determinant > rounding ? 1 : determinant < -rounding ? -1 : 0;
 }
@@ -145,7 +145,7 @@ inline int volume_sign(const std::vector<Vec3<double>>& x, const Index* nodes) {
 /// Errors: invalid_argument (nodes_per_element; a face of more than two elements, or of two that overlap: the first
 /// such element is named) and index_out_of_range.
 [[nodiscard]] inline Result<BoundarySurface> extract_boundary(const MeshData& mesh) {
-  if (Status status = detail::check_connectivity(mesh); !status) return status.error();
+  if (Result<void> status = detail::check_connectivity(mesh); !status) return status.error();
   const auto nodes = [&](Index e) { return mesh.connectivity.data() + std::ptrdiff_t{e} * mesh.nodes_per_element; };
   return detail::extract_boundary(mesh.element_count(), mesh.nodes_per_element, nodes,
                                   [&](Index e) { return detail::volume_sign(mesh.positions, nodes(e)); });

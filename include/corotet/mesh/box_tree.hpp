@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <corotet/core/assert.hpp>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/types.hpp>
 #include <cstdint>
 #include <limits>
@@ -122,12 +123,12 @@ class BoxTree {
         }
         continue;
       }
-      Entry near{entry.node + 1, nodes_[at(entry.node + 1)].box.squared_distance(p)};
-      Entry far{node.right, nodes_[at(node.right)].box.squared_distance(p)};
+      Entry nearer{entry.node + 1, nodes_[at(entry.node + 1)].box.squared_distance(p)};
+      Entry farther{node.right, nodes_[at(node.right)].box.squared_distance(p)};
       best.visited += 2;
-      if (far.squared_distance < near.squared_distance) std::swap(near, far);
-      stack[at(top++)] = far;
-      stack[at(top++)] = near;
+      if (farther.squared_distance < nearer.squared_distance) std::swap(nearer, farther);
+      stack[at(top++)] = farther;
+      stack[at(top++)] = nearer;
     }
     return best;
   }
@@ -175,7 +176,7 @@ class BoxTree {
       std::nth_element(first, order_.begin() + middle, last, [&](Index a, Index b) {
         const double ca = boxes[at(a)].low[axis] + boxes[at(a)].high[axis];
         const double cb = boxes[at(b)].low[axis] + boxes[at(b)].high[axis];
-        return ca != cb ? ca < cb : a < b;
+        return detail::exactly_equal(ca, cb) ? a < b : ca < cb;
       });
       stack[at(top++)] = {middle, range.end, n};
       stack[at(top++)] = {range.begin, middle, nobody};

@@ -14,7 +14,7 @@ namespace corotet::detail {
 
 /// Whole elements of 4 or 10 nodes, and indices in range. Weaker than TetMesh::create, so that a mesh which that
 /// refuses can still be measured and drawn.
-inline Status check_connectivity(const MeshData& mesh) {
+inline Result<void> check_connectivity(const MeshData& mesh) {
   const int nodes = mesh.nodes_per_element;
   if (nodes != 4 && nodes != 10)
     return Error{ErrorCode::invalid_argument, "mesh",
@@ -36,7 +36,7 @@ inline Status check_connectivity(const MeshData& mesh) {
 }
 
 /// Indices in range.
-inline Status check_triangles(const SurfaceMesh& surface) {
+inline Result<void> check_triangles(const SurfaceMesh& surface) {
   for (std::size_t t = 0; t < surface.triangles.size(); ++t)
     for (const Index v : surface.triangles[t])
       if (v < 0 || v >= size_of(surface.positions))
@@ -49,8 +49,8 @@ inline Status check_triangles(const SurfaceMesh& surface) {
 inline constexpr double largest_coordinate = 1e100;
 
 /// Finite positions no farther out than `largest` along any axis; an error names the vertex as `name` and its number.
-inline Status check_positions(std::span<const Vec3<double>> positions, const char* name,
-                              double largest = largest_coordinate) {
+inline Result<void> check_positions(std::span<const Vec3<double>> positions, const char* name,
+                                    double largest = largest_coordinate) {
   for (std::size_t v = 0; v < positions.size(); ++v)
     if (!positions[v].allFinite() || positions[v].cwiseAbs().maxCoeff() > largest)
       return Error{ErrorCode::non_finite_value, std::string(name) + " " + std::to_string(v),

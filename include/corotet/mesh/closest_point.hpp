@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/reference_element.hpp>
 
@@ -71,7 +72,7 @@ struct SimplexPoint {
   for (int j = 0; j < 3; ++j) edges.set_col(j, x[at(j + 1)] - x[0]);
   const Vec3<double> r = p - x[0];
   const double volume = edges.determinant();
-  if (volume != 0) {
+  if (!detail::is_zero(volume)) {
     const Vec3<double> l =
         Vec3<double>(r.dot(edges.col(1).cross(edges.col(2))), r.dot(edges.col(2).cross(edges.col(0))),
                      r.dot(edges.col(0).cross(edges.col(1)))) /

@@ -16,7 +16,7 @@ namespace corotet {
 template <std::floating_point Scalar, ReferenceElement Element>
 [[nodiscard]] std::vector<std::array<Index, 2>> element_lines(const TetMesh<Scalar, Element>& mesh) {
   std::vector<std::array<Index, 2>> lines;
-  const auto add = [&](Index a, Index b) { lines.push_back({std::min(a, b), std::max(a, b)}); };
+  const auto add = [&](Index a, Index b) { lines.push_back({(std::min)(a, b), (std::max)(a, b)}); };
   for (const auto& nodes : mesh.elements())
     for (std::size_t e = 0; e < tet_edges.size(); ++e) {
       const Index a = nodes[tet_edges[e].a], b = nodes[tet_edges[e].b];

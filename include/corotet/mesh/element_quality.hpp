@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/jacobian.hpp>
 #include <corotet/element/reference_element.hpp>
@@ -56,7 +57,7 @@ enum class ElementDefect {
 namespace detail {
 
 /// 6 sqrt 2 (3/4)^(3/4): a regular tetrahedron of edge 1 has volume sqrt 2/12 and faces of area sqrt 3/4.
-inline const double regular_shape = 6 * std::numbers::sqrt2 * std::pow(0.75, 0.75);
+inline constexpr double regular_shape = 6 * std::numbers::sqrt2 * 0.8059274488676564;
 
 /// Degrees. Below and above: small and large dihedral angles. A square sliver with a dihedral of 30 has others of 137,
 /// a regular cap with 30 has 129.
@@ -73,7 +74,7 @@ void measure_jacobian(const std::array<Vec3<double>, Element::nodes>& x, double&
   const auto visit = [&](const auto& points, bool integrate) {
     for (const QuadraturePoint& point : points) {
       const double det = jacobian(Element::gradient(point.xi), [&](std::size_t a) { return x[a]; }).determinant();
-      least = std::min(least, det);
+      least = (std::min)(least, det);
       if (integrate) volume += point.weight * det;
     }
   };
@@ -91,8 +92,8 @@ template <ReferenceElement Element>
   double longest = 0, shortest = std::numeric_limits<double>::infinity();
   for (const auto& [a, b] : tet_edges) {
     const double length = (x[b] - x[a]).stableNorm();
-    longest = std::max(longest, length);
-    shortest = std::min(shortest, length);
+    longest = (std::max)(longest, length);
+    shortest = (std::min)(shortest, length);
   }
   if (!(longest > 0)) {  // all corners in one point
     quality.edge_ratio = std::numeric_limits<double>::infinity();
@@ -128,7 +129,7 @@ template <ReferenceElement Element>
       if (f != p && f != q) faces[n++] = f;
     const Vec3<double>&m = normals[faces[0]], &n = normals[faces[1]];
     if (m.squaredNorm() > 0 && n.squaredNorm() > 0)
-      quality.dihedrals[e] = degrees * std::atan2(std::abs(six_volumes) * (x[q] - x[p]).norm(), -m.dot(n));
+      quality.dihedrals[e] = degrees * std::atan2(std::fabs(six_volumes) * (x[q] - x[p]).norm(), -m.dot(n));
   }
   quality.min_dihedral = *std::min_element(quality.dihedrals.begin(), quality.dihedrals.end());
   quality.max_dihedral = *std::max_element(quality.dihedrals.begin(), quality.dihedrals.end());
@@ -136,7 +137,8 @@ template <ReferenceElement Element>
   // r = 3V/(sum of A), R = |a^2 b x c + b^2 c x a + c^2 a x b|/(12 V).
   const double circum =
       (a.squaredNorm() * b.cross(c) + b.squaredNorm() * c.cross(a) + c.squaredNorm() * a.cross(b)).norm();
-  if (six_volumes != 0 && circum > 0) quality.radius_ratio = 3 * six_volumes * six_volumes / (areas * circum);
+  if (!detail::is_zero(six_volumes) && circum > 0)
+    quality.radius_ratio = 3 * six_volumes * six_volumes / (areas * circum);
 
   double scaled_volume = six_volumes / 6;
   if constexpr (Element::order > 1) {
@@ -154,22 +156,22 @@ template <ReferenceElement Element>
 [[nodiscard]] inline ElementDefect classify(const ElementQuality& quality) {
   if (quality.shape < -1e-10) return ElementDefect::inverted;
   if (quality.shape < 1e-10) return ElementDefect::flat;
-  if (quality.jacobian_ratio < std::min(quality.shape, 0.5)) return ElementDefect::curved;
+  if (quality.jacobian_ratio < (std::min)(quality.shape, 0.5)) return ElementDefect::curved;
 
-  int large = 0, small = 0;
+  int large_count = 0, small_count = 0;
   std::array<int, 4> large_at_corner{};
   for (std::size_t e = 0; e < 6; ++e) {
-    if (quality.dihedrals[e] < detail::small_dihedral) ++small;
+    if (quality.dihedrals[e] < detail::small_dihedral) ++small_count;
     if (quality.dihedrals[e] <= detail::large_dihedral) continue;
-    ++large;
+    ++large_count;
     ++large_at_corner[tet_edges[e].a];
     ++large_at_corner[tet_edges[e].b];
   }
   const int most_at_corner = *std::max_element(large_at_corner.begin(), large_at_corner.end());
-  if (large == 3 && most_at_corner == 3) return ElementDefect::cap;
-  if (large == 2 && most_at_corner == 1) return ElementDefect::sliver;
-  if (large > 0) return ElementDefect::flat;
-  if (small > 0) return quality.edge_ratio > detail::long_edge_ratio ? ElementDefect::wedge : ElementDefect::flat;
+  if (large_count == 3 && most_at_corner == 3) return ElementDefect::cap;
+  if (large_count == 2 && most_at_corner == 1) return ElementDefect::sliver;
+  if (large_count > 0) return ElementDefect::flat;
+  if (small_count > 0) return quality.edge_ratio > detail::long_edge_ratio ? ElementDefect::wedge : ElementDefect::flat;
   return quality.edge_ratio > detail::long_edge_ratio ? ElementDefect::needle : ElementDefect::none;
 }
 

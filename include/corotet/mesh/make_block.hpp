@@ -38,7 +38,7 @@ struct BlockOptions {
     return Error{ErrorCode::invalid_argument, "size", "must be positive and finite along each axis"};
   if (options.order != 1 && options.order != 2)
     return Error{ErrorCode::invalid_argument, "order", "must be 1 or 2, is " + std::to_string(options.order)};
-  if ((double{1} + nx) * (double{1} + ny) * (double{1} + nz) > std::numeric_limits<Index>::max() / 240.0)
+  if ((double{1} + nx) * (double{1} + ny) * (double{1} + nz) > (std::numeric_limits<Index>::max)() / 240.0)
     return Error{ErrorCode::invalid_argument, "cells", "too many for 32-bit indices"};
 
   MeshData mesh;

@@ -96,8 +96,8 @@ ElementQuality measure_nodes(const std::vector<Vec3<Scalar>>& positions, const I
 /// Measures an unchecked mesh, inverted and flat elements included.
 /// Errors: invalid_argument (nodes_per_element), index_out_of_range, non_finite_value.
 [[nodiscard]] inline Result<MeshQuality> measure_quality(const MeshData& mesh) {
-  if (Status status = detail::check_connectivity(mesh); !status) return status.error();
-  if (Status status = detail::check_positions(mesh.positions, "vertex"); !status) return status.error();
+  if (Result<void> status = detail::check_connectivity(mesh); !status) return status.error();
+  if (Result<void> status = detail::check_positions(mesh.positions, "vertex"); !status) return status.error();
   std::vector<ElementQuality> elements;
   elements.reserve(at(mesh.element_count()));
   for (Index e = 0; e < mesh.element_count(); ++e) {
@@ -123,7 +123,7 @@ template <std::floating_point Scalar, ReferenceElement Element>
 [[nodiscard]] inline std::vector<WorstElement> worst_elements(const MeshQuality& quality, Index count) {
   const auto rank = [&](Index e) {
     const ElementQuality& element = quality.elements[at(e)];
-    return std::min(element.shape, element.jacobian_ratio);
+    return (std::min)(element.shape, element.jacobian_ratio);
   };
   std::vector<Index> order(quality.elements.size());
   std::iota(order.begin(), order.end(), 0);

@@ -32,7 +32,7 @@ class TetMesh {
   /// index_out_of_range, duplicate_node, unreferenced_vertex (see remove_unreferenced), non_finite_value,
   /// degenerate_element, unsupported (too large for 32-bit indices); each names the element or vertex.
   [[nodiscard]] static Result<TetMesh> create(MeshData data, const Vec3<double>& origin = Vec3<double>::Zero()) {
-    if (Status status = detail::check_arrays(data, Element::nodes); !status) return status.error();
+    if (Result<void> status = detail::check_arrays(data, Element::nodes); !status) return status.error();
 
     TetMesh mesh;
     mesh.origin_ = origin;
@@ -55,7 +55,7 @@ class TetMesh {
         ++mesh.flipped_elements_;
       }
       const auto epsilon = static_cast<double>(std::numeric_limits<Scalar>::epsilon());
-      if (Status status = detail::check_volume<Element>(data.positions, nodes, e, epsilon); !status)
+      if (Result<void> status = detail::check_volume<Element>(data.positions, nodes, e, epsilon); !status)
         return status.error();
     }
     mesh.regions_ = std::move(data.regions);

@@ -20,12 +20,12 @@ inline std::string vertex_name(Index v) { return "vertex " + std::to_string(v); 
 inline std::string element_name(Index e) { return "element " + std::to_string(e); }
 
 /// Lengths, index range, repeated nodes, vertices without an element.
-inline Status check_arrays(const MeshData& data, int nodes_per_element) {
+inline Result<void> check_arrays(const MeshData& data, int nodes_per_element) {
   if (data.positions.empty()) return Error{ErrorCode::empty_mesh, "mesh", "it has no vertices"};
   if (data.connectivity.empty()) return Error{ErrorCode::empty_mesh, "mesh", "it has no elements"};
   // A body counts 3 degrees of freedom a vertex and nodes^2 contributions an element by Index.
-  constexpr std::size_t most = std::size_t{std::numeric_limits<Index>::max()};
-  if (data.positions.size() > most / 3 || data.connectivity.size() > most / at(std::max(nodes_per_element, 1)))
+  constexpr std::size_t most = std::size_t{(std::numeric_limits<Index>::max)()};
+  if (data.positions.size() > most / 3 || data.connectivity.size() > most / at((std::max)(nodes_per_element, 1)))
     return Error{ErrorCode::unsupported, "mesh", "it is too large for 32-bit indices"};
   if (data.nodes_per_element != nodes_per_element)
     return Error{ErrorCode::invalid_argument, "mesh",
@@ -77,18 +77,18 @@ void turn_round(std::array<Index, N>& nodes) {
 
 /// Positive Jacobian at each quadrature point, measured against rounding in positions of precision `epsilon`.
 template <ReferenceElement Element>
-Status check_volume(const std::vector<Vec3<double>>& x, const std::array<Index, Element::nodes>& nodes, Index e,
-                    double epsilon) {
+Result<void> check_volume(const std::vector<Vec3<double>>& x, const std::array<Index, Element::nodes>& nodes, Index e,
+                          double epsilon) {
   // Rounding moves each vertex by epsilon times its distance from the origin, and with it the determinant.
   double largest = 0;
-  for (const Index v : nodes) largest = std::max(largest, x[at(v)].cwiseAbs().maxCoeff());
-  const auto check_points = [&](const auto& points) -> Status {
+  for (const Index v : nodes) largest = (std::max)(largest, x[at(v)].cwiseAbs().maxCoeff());
+  const auto check_points = [&](const auto& points) -> Result<void> {
     for (const QuadraturePoint& point : points) {
       const Mat3<double> to_space =
           jacobian(Element::gradient(point.xi), [&](std::size_t a) { return x[at(nodes[a])]; });
       const double det = to_space.determinant();
-      const double size = std::max({to_space.col(0).norm(), to_space.col(1).norm(), to_space.col(2).norm()});
-      const double rounding = 4 * epsilon * size * size * std::max(size, largest);
+      const double size = (std::max)({to_space.col(0).norm(), to_space.col(1).norm(), to_space.col(2).norm()});
+      const double rounding = 4 * epsilon * size * size * (std::max)(size, largest);
       if (!(det > rounding) || !std::isfinite(det)) {
         const bool curved = Element::order > 1 && corner_volume(x, nodes.data()) * 6 > rounding;
         return Error{ErrorCode::degenerate_element, element_name(e),
@@ -98,7 +98,7 @@ Status check_volume(const std::vector<Vec3<double>>& x, const std::array<Index, 
     }
     return {};
   };
-  if (Status status = check_points(Element::stiffness_points); !status) return status;
+  if (Result<void> status = check_points(Element::stiffness_points); !status) return status;
   if constexpr (Element::order > 1) return check_points(Element::mass_points);
   return {};
 }

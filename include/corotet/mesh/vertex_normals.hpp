@@ -12,7 +12,7 @@ namespace corotet {
 [[nodiscard]] inline Vec3<double> triangle_normal(const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c) {
   const Vec3<double> n = (b - a).cross(c - a);
   const double length = n.stableNorm();  // its square would leave the range from triangles of 1e77 m on
-  return length > 0 ? Vec3<double>(n / length) : Vec3<double>(Vec3<double>::Zero());
+  return length > 0 ? n / length : Vec3<double>::Zero();
 }
 
 /// One unit normal a vertex: face normals weighted by the angle of the face at the vertex, which depends on the shape
@@ -31,7 +31,7 @@ namespace corotet {
   }
   for (Vec3<double>& n : normals) {
     const double length = n.norm();
-    n = length > 0 ? Vec3<double>(n / length) : Vec3<double>(Vec3<double>::Zero());
+    n = length > 0 ? n / length : Vec3<double>::Zero();
   }
   return normals;
 }

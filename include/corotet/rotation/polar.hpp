@@ -27,11 +27,11 @@ struct Polar {
     constexpr Scalar epsilon = std::numeric_limits<Scalar>::epsilon();
 
     // Entries of order one, whatever the units and however flat the element.
-    L largest = abs(f(0, 0));
+    L largest = lane_abs(f(0, 0));
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) largest = max(largest, abs(f(i, j)));
+      for (int j = 0; j < 3; ++j) largest = lane_max(largest, lane_abs(f(i, j)));
     LaneMask<Scalar> sure =
-        (largest > std::max(lowest<Scalar>(), rounding_of_entries(unit))) & (largest < highest<Scalar>());
+        (largest > (std::max)(lowest<Scalar>(), rounding_of_entries(unit))) & (largest < highest<Scalar>());
     const L scale = L(1) / select(sure, largest, L(1));
     Mat3Lanes<Scalar> b;
     for (int i = 0; i < 3; ++i)
@@ -55,7 +55,7 @@ struct Polar {
       const L slope = L(4) * lambda * excess - L(8) * det;
       const L step = select(slope > epsilon, value, L(0)) / select(slope > epsilon, slope, L(1));
       lambda -= step;
-      if ((abs(step) < L(2 * epsilon) * lambda).all()) break;
+      if ((lane_abs(step) < L(2 * epsilon) * lambda).all()) break;
     }
 
     // zeta = (s1+s2)(s2+s3)(s3+s1): what the closed form divides by.
@@ -99,7 +99,7 @@ struct Polar {
     for (int i = 0; i < 3; ++i)
       for (int j = i; j < 3; ++j) {
         const L error = r(0, i) * r(0, j) + r(1, i) * r(1, j) + r(2, i) * r(2, j) - L(i == j ? 1 : 0);
-        distance = max(distance, abs(error));
+        distance = lane_max(distance, lane_abs(error));
         correction(i, j) = L(Scalar(-0.5)) * error;
         correction(j, i) = correction(i, j);
       }
@@ -113,11 +113,11 @@ struct Polar {
   // Scales beyond which products of four entries leave the range of Scalar, or reciprocals do.
   template <std::floating_point Scalar>
   static constexpr Scalar lowest() {
-    return std::numeric_limits<Scalar>::min() * 4;
+    return (std::numeric_limits<Scalar>::min)() * 4;
   }
   template <std::floating_point Scalar>
   static constexpr Scalar highest() {
-    return std::numeric_limits<Scalar>::max() / 4;
+    return (std::numeric_limits<Scalar>::max)() / 4;
   }
   // Below this zeta (relative to sqrt 3 |B|^3; 0.9 for a rotation) the closed form keeps fewer digits than
   // polar_robust.

@@ -24,12 +24,12 @@ template <std::floating_point Scalar>
     rotated = false;
     for (int p = 0; p < 3; ++p)
       for (int q = p + 1; q < 4; ++q) {
-        if (!(std::abs(k(p, q)) > negligible)) continue;
+        if (!(std::fabs(k(p, q)) > negligible)) continue;
         rotated = true;
         // tan of the smaller of the two angles that make k(p, q) zero.
         const Scalar cotangent = (k(q, q) - k(p, p)) / (2 * k(p, q));
         const Scalar t =
-            std::copysign(Scalar(1), cotangent) / (std::abs(cotangent) + std::sqrt(cotangent * cotangent + Scalar(1)));
+            std::copysign(Scalar(1), cotangent) / (std::fabs(cotangent) + std::sqrt(cotangent * cotangent + Scalar(1)));
         const Scalar c = 1 / std::sqrt(t * t + Scalar(1)), s = t * c;
         for (int i = 0; i < 4; ++i) {
           const Scalar x = k(i, p), y = k(i, q);
@@ -62,16 +62,16 @@ struct StationaryRotation {
     const Matrix<Scalar, 4, 4> vectors = diagonalise<Scalar>(k);
     set(k, vectors, k.diagonal().index_of_max());
   }
-  StationaryRotation(Matrix<Scalar, 4, 4> k, const Matrix<Scalar, 4, 1>& near) {
+  StationaryRotation(Matrix<Scalar, 4, 4> k, const Matrix<Scalar, 4, 1>& direction) {
     const Matrix<Scalar, 4, 4> vectors = diagonalise<Scalar>(k);
-    set(k, vectors, (vectors.transpose() * near).cwiseAbs().index_of_max());
+    set(k, vectors, (vectors.transpose() * direction).cwiseAbs().index_of_max());
   }
 
  private:
   void set(const Matrix<Scalar, 4, 4>& values, const Matrix<Scalar, 4, 4>& vectors, int which) {
     quaternion = vectors.col(which).normalized();
     for (int i = 0; i < 4; ++i)
-      if (i != which) gap = std::min(gap, std::abs(values(i, i) - values(which, which)));
+      if (i != which) gap = (std::min)(gap, std::fabs(values(i, i) - values(which, which)));
   }
 };
 
@@ -127,9 +127,9 @@ struct Choice {
 
   /// `largest`: of the entries of F, by size.
   Choice(const Mat3<Scalar>& f, Scalar largest, Scalar unit) {
-    clear = std::max(clear_choice(unit), rounding_of_entries(largest));
+    clear = (std::max)(clear_choice(unit), rounding_of_entries(largest));
     int exponent = 0;
-    std::frexp(std::max(largest, clear), &exponent);
+    std::frexp((std::max)(largest, clear), &exponent);
     k = davenport<Scalar>(scaled<Scalar>(f, exponent));
     clear = std::ldexp(clear, -exponent);
   }
@@ -166,12 +166,12 @@ template <std::floating_point Scalar>
 
 /// Of the four rotations for which R^T F is symmetric, that is for which tr(R^T F) is stationary, the one that is
 /// nearest to another rotation: the eigenvectors of Davenport's matrix are those four. Where it is not clear which
-/// rotations these are (clear_choice), `near` decides with them; for F = 0 or a non-finite F it is `near` itself.
+/// rotations these are (clear_choice), `other` decides with them; for F = 0 or a non-finite F it is `other` itself.
 template <std::floating_point Scalar>
-[[nodiscard]] Mat3<Scalar> polar_near(const Mat3<Scalar>& f, const Mat3<Scalar>& near, Scalar unit) {
+[[nodiscard]] Mat3<Scalar> polar_near(const Mat3<Scalar>& f, const Mat3<Scalar>& other, Scalar unit) {
   const Scalar largest = f.cwiseAbs().maxCoeff();
-  if (!(largest > 0) || !std::isfinite(largest) || !f.allFinite()) return near;
-  const Matrix<Scalar, 4, 1> q = quaternion_of<Scalar>(near);
+  if (!(largest > 0) || !std::isfinite(largest) || !f.allFinite()) return other;
+  const Matrix<Scalar, 4, 1> q = quaternion_of<Scalar>(other);
   detail::Choice<Scalar> choice(f, largest, unit);
   detail::StationaryRotation<Scalar> stationary(choice.k, q);
   if (stationary.gap < choice.clear) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/types.hpp>
 #include <cstddef>
 #include <cstdint>
@@ -52,10 +53,10 @@ struct Aggregates {
     }
     const int axis = (high - low).index_of_max();
     const Index half = count / 2;
-    const auto middle = first + static_cast<std::ptrdiff_t>(std::int64_t{end - begin} * half / count);
+    const auto middle = first + static_cast<Index>(std::int64_t{end - begin} * half / count);
     std::nth_element(first, middle, last, [&](Index a, Index b) {
       const Scalar xa = position[at(a)][axis], xb = position[at(b)][axis];
-      return xa != xb ? xa < xb : a < b;  // a strict order, the same everywhere
+      return detail::exactly_equal(xa, xb) ? a < b : xa < xb;  // a strict order, the same everywhere
     });
     const auto split = static_cast<Index>(middle - member.begin());
     divide(position, begin, split, half);

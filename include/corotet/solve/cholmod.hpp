@@ -1,7 +1,12 @@
 // Opt-in: SuiteSparse's sparse Cholesky as the solver of a step. Link corotet::cholmod. Its supernodal module is GPL.
 #pragma once
 
+#include <corotet/core/macros_off.hpp>
+
 #include <Eigen/CholmodSupport>
+
+#include <corotet/core/macros_on.hpp>
+
 #include <algorithm>
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/assert.hpp>
@@ -33,7 +38,7 @@ class CholmodSolver {
   /// Ordering and symbolic factorisation.
   void analyze(const std::shared_ptr<const BlockPattern>& shared_pattern, const Field<Scalar>& /*rest*/) {
     const BlockPattern& pattern = *shared_pattern;
-    COROTET_ASSERT(pattern.blocks() <= std::numeric_limits<Index>::max() / 9, "too large for 32-bit indices");
+    COROTET_ASSERT(pattern.blocks() <= (std::numeric_limits<Index>::max)() / 9, "too large for 32-bit indices");
     refinement_ = Refinement<Scalar>(pattern.rows());
     const Index n = 3 * pattern.rows();
     matrix_.resize(n, n);
@@ -62,7 +67,8 @@ class CholmodSolver {
         for (Index k = pattern.row_start[at(i)]; k < pattern.row_start[at(i) + 1]; ++k)
           for (int r = 0; r < 3; ++r) *value++ = static_cast<double>(matrix.block(k)(c, r));
     cholmod_->factorize(matrix_);
-    if (cholmod_->info() != Eigen::Success) return {SolveStatus::breakdown, 0, 1.0};
+    constexpr Eigen::ComputationInfo success{};  // Eigen's own name of it is a macro of X11
+    if (cholmod_->info() != success) return {SolveStatus::breakdown, 0, 1.0};
     const auto factor = [this](const Field<Scalar>& residual, Field<Scalar>& y) {
       right_side_ = flat(residual).template cast<double>();
       flat(y) = cholmod_->solve(right_side_).template cast<Scalar>();

@@ -88,7 +88,7 @@ class Pcg {
       report.residual = 1;
       return report;
     }
-    report.residual = energy > 0 ? std::sqrt(std::abs(error2) / energy) : 0;
+    report.residual = energy > 0 ? std::sqrt(std::fabs(error2) / energy) : 0;
     for_ranges(executor, size_of(x), RangeSum::grain, [&](Index begin, Index end) {
       for (Index v = begin; v < end; ++v) x[at(v)] = x_[at(v)].vector();
     });
@@ -103,9 +103,9 @@ class Pcg {
                double& energy, SolveReport& report, ExecutorRef executor) {
     detail::RecentGains<PreconditionerRef<Scalar>::max_error_delay> gains(preconditioner.error_delay());
     // What the recursion has left below this is rounding: a small system is solved before the gains tell.
-    constexpr double rounding = std::numeric_limits<Scalar>::epsilon() / 4;
+    constexpr auto rounding = static_cast<double>(std::numeric_limits<Scalar>::epsilon()) / 4;
     p_ = z_;
-    while (std::max(rz, gains.sum()) > wanted * energy && rz > rounding * rounding * energy) {
+    while ((std::max)(rz, gains.sum()) > wanted * energy && rz > rounding * rounding * energy) {
       if (report.iterations == max_iterations) {
         report.status = SolveStatus::iteration_limit;
         return;
@@ -121,8 +121,10 @@ class Pcg {
       }
       const auto alpha = static_cast<Scalar>(rz / curvature);
       for_ranges(executor, size_of(r_), RangeSum::grain, [&](Index begin, Index end) {
-        map_range(begin, end, x_, [=](auto x, auto p) { return x + alpha * p; }, x_, p_);
-        map_range(begin, end, r_, [=](auto r, auto q) { return r - alpha * q; }, r_, q_);
+        map_range(
+            begin, end, x_, [=](auto x, auto p) { return x + alpha * p; }, x_, p_);
+        map_range(
+            begin, end, r_, [=](auto r, auto q) { return r - alpha * q; }, r_, q_);
       });
       const double gain = rz * (rz / curvature);
       energy += gain;
@@ -134,7 +136,8 @@ class Pcg {
       }
       const auto beta = static_cast<Scalar>(rz_next / rz);
       for_ranges(executor, size_of(r_), RangeSum::grain, [&](Index begin, Index end) {
-        map_range(begin, end, p_, [=](auto z, auto p) { return z + beta * p; }, z_, p_);
+        map_range(
+            begin, end, p_, [=](auto z, auto p) { return z + beta * p; }, z_, p_);
       });
       rz = rz_next;
     }

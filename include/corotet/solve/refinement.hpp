@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <corotet/assembly/block_matrix.hpp>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/range_sum.hpp>
@@ -27,7 +28,7 @@ class Refinement {
     SolveReport report;
     const double size = sum_(executor, [&](Index i, Index j) { return range_dot(b, b, i, j); });
     std::fill(x.begin(), x.end(), Vec3<Scalar>::Zero());
-    if (size == 0) return report;
+    if (detail::is_zero(size)) return report;
     residual_ = b;
     for (;;) {
       factor(residual_, correction_);

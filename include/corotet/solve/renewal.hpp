@@ -18,8 +18,8 @@ class Renewal {
     applications_ = 0;
     ++age_;
     const bool first = era_ != era;
-    if (!first && last > 0) fewest_ = fewest_ == 0 ? last : std::min(fewest_, last);
-    const bool worn = age_ >= least_age && last > fewest_ + std::max(fewest_ / 2, 4);
+    if (!first && last > 0) fewest_ = fewest_ == 0 ? last : (std::min)(fewest_, last);
+    const bool worn = age_ >= least_age && last > fewest_ + (std::max)(fewest_ / 2, 4);
     if (!first && !worn) return false;
     era_ = era;
     age_ = 0;

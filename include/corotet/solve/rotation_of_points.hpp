@@ -19,11 +19,11 @@ void rotations_of_moments(std::vector<Mat3<Scalar>>& moment, ExecutorRef executo
   constexpr Index lanes = lane_count<Scalar>;
   for_ranges(executor, size_of(moment), 8 * lanes, [&](Index begin, Index end) {
     for (Index first = begin; first < end; first += lanes) {
-      const Index used = std::min(lanes, end - first);
+      const Index used = (std::min)(lanes, end - first);
       Mat3Lanes<Scalar> f, r;
-      for (Index l = 0; l < lanes; ++l) f.set_lane(static_cast<int>(l), moment[at(first + std::min(l, used - 1))]);
+      for (Index l = 0; l < lanes; ++l) f.set_lane(l, moment[at(first + (std::min)(l, used - 1))]);
       Polar::extract(f, r);
-      for (Index l = 0; l < used; ++l) moment[at(first + l)] = r.lane(static_cast<int>(l));
+      for (Index l = 0; l < used; ++l) moment[at(first + l)] = r.lane(l);
     }
   });
 }

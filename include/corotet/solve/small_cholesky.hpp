@@ -1,9 +1,9 @@
 // Cholesky factorisation of one small block.
 #pragma once
 
-#include <corotet/core/matrix.hpp>
 #include <cmath>
 #include <concepts>
+#include <corotet/core/types.hpp>
 
 namespace corotet {
 

@@ -18,7 +18,7 @@ struct AnimationAxes {
 
 inline AnimationAxes axes_of(const Animation& animation, const AnimationBox& box) {
   const Vec3<double>& u = animation.up;
-  const double largest = std::max({std::abs(u[0]), std::abs(u[1]), std::abs(u[2])});
+  const double largest = (std::max)({std::abs(u[0]), std::abs(u[1]), std::abs(u[2])});
   const Vec3<double> up = Vec3<double>(u / largest).normalized();
   // The x axis made horizontal, or the y axis where x is nearly up.
   const Vec3<double> start = std::abs(up[0]) < 0.9 ? Vec3<double>(1, 0, 0) : Vec3<double>(0, 1, 0);

@@ -13,7 +13,7 @@ inline std::string to_base64(std::string_view bytes) {
   std::string text;
   text.reserve(bytes.size() / 3 * 4 + 4);
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t present = std::min<std::size_t>(3, bytes.size() - i);
+    const std::size_t present = (std::min<std::size_t>)(3, bytes.size() - i);
     std::uint32_t bits = 0;
     for (std::size_t k = 0; k < 3; ++k)
       bits = (bits << 8) | (k < present ? static_cast<unsigned char>(bytes[i + k]) : 0u);

@@ -24,7 +24,7 @@ class ByteReader : public StickyError {
       : bytes_(bytes),
         name_(name),
         order_(order),
-        position_(std::min(position, bytes.size())),
+        position_((std::min)(position, bytes.size())),
         value_start_(position_) {}
 
   /// The next value of type `T`, in the file's byte order; `what` names it in errors.

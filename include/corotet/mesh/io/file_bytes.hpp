@@ -39,7 +39,7 @@ namespace corotet {
 }
 
 /// Writes `bytes` as the whole content of a file, replacing what was there. Errors: file_unreadable.
-[[nodiscard]] inline Status write_file(const std::filesystem::path& path, std::string_view bytes) {
+[[nodiscard]] inline Result<void> write_file(const std::filesystem::path& path, std::string_view bytes) {
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
   if (!file) return Error{ErrorCode::file_unreadable, path.string(), "it cannot be opened for writing"};
   file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));

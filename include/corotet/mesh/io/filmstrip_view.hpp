@@ -34,17 +34,17 @@ class FilmstripView {
         if (all->empty()) continue;
         for (const Vec3<double>& x : (*all)[at(k)]) {
           const PicturePoint p = (*this)(x);  // not yet moved and scaled
-          low_x = std::min(low_x, p.x);
-          high_x = std::max(high_x, p.x);
-          low_y = std::min(low_y, p.y);
-          high_y = std::max(high_y, p.y);
+          low_x = (std::min)(low_x, p.x);
+          high_x = (std::max)(high_x, p.x);
+          low_y = (std::min)(low_y, p.y);
+          high_y = (std::max)(high_y, p.y);
         }
       }
     const double wide = high_x - low_x, tall = high_y - low_y;
     constexpr double tallest = 1.2;  // height of a panel by its width, at most
-    scale_ = std::min(wide > 0 ? panel_width / wide : inf, tall > 0 ? tallest * panel_width / tall : inf);
+    scale_ = (std::min)(wide > 0 ? panel_width / wide : inf, tall > 0 ? tallest * panel_width / tall : inf);
     if (!std::isfinite(scale_)) scale_ = 1;
-    height_ = std::max(1.0, scale_ * tall);
+    height_ = (std::max)(1.0, scale_ * tall);
     left_ = low_x - (panel_width / scale_ - wide) / 2;  // in the middle, if it is the height that limits
     upper_ = low_y;
   }
@@ -65,7 +65,7 @@ class FilmstripView {
   /// Brightness of a surface with this unit normal, from 0 to 1.
   [[nodiscard]] double shade(const Vec3<double>& normal) const {
     const std::array<double, 3> n{right_.dot(normal), top_.dot(normal), back_.dot(normal)};
-    const double diffuse = std::max(0.0, n[0] * view_light[0] + n[1] * view_light[1] + n[2] * view_light[2]);
+    const double diffuse = (std::max)(0.0, n[0] * view_light[0] + n[1] * view_light[1] + n[2] * view_light[2]);
     const double sky = 0.5 + 0.5 * (n[0] * up_[0] + n[1] * up_[1] + n[2] * up_[2]);
     return std::clamp(0.16 * sky + 0.84 * diffuse, 0.0, 1.0);
   }

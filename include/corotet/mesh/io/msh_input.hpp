@@ -64,12 +64,12 @@ class MshInput {
   /// An `int` of the format: 4 bytes, signed.
   std::int64_t integer(std::string_view what) {
     if (in_data_) return data_.read<std::int32_t>(what);
-    return text.integer(what, std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max());
+    return text.integer(what, (std::numeric_limits<std::int32_t>::min)(), (std::numeric_limits<std::int32_t>::max)());
   }
 
   /// A `size_t` of the format: 8 bytes, unsigned.
   std::int64_t size(std::string_view what) {
-    constexpr auto most = std::numeric_limits<std::int64_t>::max();
+    constexpr auto most = (std::numeric_limits<std::int64_t>::max)();
     if (!in_data_) return text.integer(what, 0, most);
     const auto value = data_.read<std::uint64_t>(what);
     if (value > std::uint64_t{most}) {

@@ -18,7 +18,8 @@ inline bool is_letter(std::string_view token) {
 }
 
 inline int read_medit_reference(TextScanner& in) {
-  return static_cast<int>(in.integer("a reference", std::numeric_limits<int>::min(), std::numeric_limits<int>::max()));
+  return static_cast<int>(
+      in.integer("a reference", (std::numeric_limits<int>::min)(), (std::numeric_limits<int>::max)()));
 }
 
 inline void read_medit_tets(TextScanner& in, TetSink& sink, VertexRange range, std::size_t size) {

@@ -78,7 +78,7 @@ class ObjReader {
     std::size_t line = 0;
   };
   Index reference(std::string_view text, std::size_t count, const char* what, Farthest& farthest) {
-    constexpr std::int64_t most = std::numeric_limits<Index>::max();
+    constexpr std::int64_t most = (std::numeric_limits<Index>::max)();
     const std::int64_t number = in_.to_integer(text, what, -most, most);
     if (!in_.ok()) return 0;
     const std::int64_t index = number < 0 ? static_cast<std::int64_t>(count) + number : number - 1;
@@ -125,14 +125,14 @@ class ObjReader {
   }
 
   void check_references() {
-    const auto check = [&](const Farthest& farthest, std::size_t count, const char* what) {
+    const auto require_within = [&](const Farthest& farthest, std::size_t count, const char* what) {
       if (farthest.index < static_cast<std::int64_t>(count)) return;
       in_.adopt(Error{ErrorCode::index_out_of_range, std::string(in_.name()) + ":" + std::to_string(farthest.line),
                       std::string("a face names ") + what + " " + std::to_string(farthest.index + 1) +
                           ", but there are " + std::to_string(count)});
     };
-    check(farthest_vertex_, sink_.mesh.positions.size(), "vertex");
-    check(farthest_normal_, normals_.size(), "normal");
+    require_within(farthest_vertex_, sink_.mesh.positions.size(), "vertex");
+    require_within(farthest_normal_, normals_.size(), "normal");
   }
 
   /// The file has normals per corner; they become normals per vertex if its corners agree.
@@ -149,8 +149,8 @@ class ObjReader {
   }
 
   static constexpr std::size_t npos = std::string_view::npos;
-  static constexpr std::int64_t least = std::numeric_limits<std::int64_t>::min();
-  static constexpr std::int64_t greatest = std::numeric_limits<std::int64_t>::max();
+  static constexpr std::int64_t least = (std::numeric_limits<std::int64_t>::min)();
+  static constexpr std::int64_t greatest = (std::numeric_limits<std::int64_t>::max)();
 
   TextScanner in_;
   SurfaceSink sink_;

@@ -65,10 +65,13 @@ class PlyBytes {
         return in_.read<std::int32_t>("an integer");
       case PlyType::uint32:
         return in_.read<std::uint32_t>("an integer");
-      default:
-        in_.fail("an integer was expected where the header announces a real number");
-        return 0;
+      case PlyType::none:
+      case PlyType::float32:
+      case PlyType::float64:
+        break;
     }
+    in_.fail("an integer was expected where the header announces a real number");
+    return 0;
   }
   void skip(PlyType type, std::size_t count) { in_.skip(count * byte_size(type), "the data"); }
   bool fits(std::size_t items, std::string_view what, const PlyElement& element) {

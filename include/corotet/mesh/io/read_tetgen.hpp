@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/mesh/io/file_bytes.hpp>
 #include <corotet/mesh/io/tet_sink.hpp>
@@ -22,7 +23,7 @@ inline VertexRange read_tetgen_nodes(TextScanner& in, TetSink& sink) {
   VertexRange range;
   range.count = in.count("points", 4);
   const std::int64_t dimension = in.integer("the dimension");
-  const std::int64_t attributes = in.integer("the number of attributes", 0, std::numeric_limits<int>::max());
+  const std::int64_t attributes = in.integer("the number of attributes", 0, (std::numeric_limits<int>::max)());
   const std::int64_t markers = in.integer("the number of boundary markers", 0, 1);
   if (in.ok() && dimension != 3)
     in.fail("the points have dimension " + std::to_string(dimension) + ", not 3", ErrorCode::unsupported);
@@ -43,7 +44,7 @@ inline VertexRange read_tetgen_nodes(TextScanner& in, TetSink& sink) {
 inline void read_tetgen_elements(TextScanner& in, TetSink& sink, VertexRange range) {
   const std::size_t count = in.count("tetrahedra", 5);
   const std::int64_t size = in.integer("the number of nodes of a tetrahedron");
-  const std::int64_t attributes = in.integer("the number of attributes", 0, std::numeric_limits<int>::max());
+  const std::int64_t attributes = in.integer("the number of attributes", 0, (std::numeric_limits<int>::max)());
   if (in.ok() && size != 4 && size != 10)
     in.fail("its tetrahedra have " + std::to_string(size) + " nodes, not 4 or 10", ErrorCode::unsupported);
   if (!in.ok() || !sink.begin(in, static_cast<int>(size))) return;
@@ -57,7 +58,8 @@ inline void read_tetgen_elements(TextScanner& in, TetSink& sink, VertexRange ran
       const double attribute = in.number("an attribute");
       if (k == 0) region = attribute;  // -A writes the region here
     }
-    const bool whole = std::nearbyint(region) == region && std::abs(region) <= std::numeric_limits<int>::max();
+    const bool whole =
+        exactly_equal(std::nearbyint(region), region) && std::fabs(region) <= (std::numeric_limits<int>::max)();
     odd_attributes = odd_attributes || !whole;
     if (in.ok()) sink.add(nodes, tetgen_order, whole ? static_cast<int>(region) : 0);
   }

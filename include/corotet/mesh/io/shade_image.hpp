@@ -38,10 +38,10 @@ class ShadeImage {
     // y points down, so that a front has a negative area.
     const double area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
     if (!(area < 0)) return;
-    const auto first = [](double a) { return static_cast<Index>(std::ceil(std::max(a, 0.0))); };
-    const Index left = first(std::min({x[0], x[1], x[2]})), top = first(std::min({y[0], y[1], y[2]}));
-    const double right = std::min<double>(std::max({x[0], x[1], x[2]}), depth_.columns - 1);
-    const double bottom = std::min<double>(std::max({y[0], y[1], y[2]}), depth_.rows - 1);
+    const auto first = [](double a) { return static_cast<Index>(std::ceil((std::max)(a, 0.0))); };
+    const Index left = first((std::min)({x[0], x[1], x[2]})), top = first((std::min)({y[0], y[1], y[2]}));
+    const double right = (std::min<double>)((std::max)({x[0], x[1], x[2]}), depth_.columns - 1);
+    const double bottom = (std::min<double>)((std::max)({y[0], y[1], y[2]}), depth_.rows - 1);
     for (Index row = top; row <= bottom; ++row)
       for (Index column = left; column <= right; ++column) {
         double depth = 0, shade = 0;

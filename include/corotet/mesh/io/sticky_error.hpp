@@ -29,7 +29,7 @@ inline Misfit misfit_of(std::size_t items, std::string_view what, std::size_t ro
   if (items > room)
     return {"announces " + std::to_string(items) + " " + std::string(what) + ", but only " +
             std::to_string(bytes_left) + " bytes follow"};
-  if (items > static_cast<std::size_t>(std::numeric_limits<Index>::max()))
+  if (items > static_cast<std::size_t>((std::numeric_limits<Index>::max)()))
     return {"has more " + std::string(what) + " than 32-bit indices can number", ErrorCode::unsupported};
   return {};
 }

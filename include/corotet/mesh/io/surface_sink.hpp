@@ -95,7 +95,7 @@ class SurfaceSink {
   }
 
  private:
-  static constexpr std::size_t most = std::numeric_limits<Index>::max();
+  static constexpr std::size_t most = (std::numeric_limits<Index>::max)();
 
   /// Normals are kept if there is one of some length for each vertex.
   void use_normals() {
@@ -103,7 +103,7 @@ class SurfaceSink {
     bool usable = mesh.normals.size() == mesh.positions.size();
     for (Vec3<double>& normal : mesh.normals) {
       const double length = normal.stableNorm();
-      usable = usable && length > 0 && length <= std::numeric_limits<double>::max();
+      usable = usable && length > 0 && length <= (std::numeric_limits<double>::max)();
       if (usable) normal /= length;
     }
     if (usable) return;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <corotet/core/parse_number.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/mesh/io/sticky_error.hpp>
 #include <cstdint>
@@ -49,7 +50,7 @@ class TextScanner : public StickyError {
   /// The rest of this line, comment included, without its line end; the scanner moves to the next line.
   std::string_view rest_of_line() {
     if (!ok()) return {};
-    const std::size_t end = std::min(text_.find('\n', position_), text_.size());
+    const std::size_t end = (std::min)(text_.find('\n', position_), text_.size());
     std::string_view rest = text_.substr(position_, end - position_);
     if (!rest.empty() && rest.back() == '\r') rest.remove_suffix(1);
     position_ = end;
@@ -83,12 +84,12 @@ class TextScanner : public StickyError {
   double number_on_line(std::string_view what) { return to_number(token_on_line(), what); }
 
   /// The next token as an integer within [least, most].
-  std::int64_t integer(std::string_view what, std::int64_t least = std::numeric_limits<std::int64_t>::min(),
-                       std::int64_t most = std::numeric_limits<std::int64_t>::max()) {
+  std::int64_t integer(std::string_view what, std::int64_t least = (std::numeric_limits<std::int64_t>::min)(),
+                       std::int64_t most = (std::numeric_limits<std::int64_t>::max)()) {
     return to_integer(token(), what, least, most);
   }
-  std::int64_t integer_on_line(std::string_view what, std::int64_t least = std::numeric_limits<std::int64_t>::min(),
-                               std::int64_t most = std::numeric_limits<std::int64_t>::max()) {
+  std::int64_t integer_on_line(std::string_view what, std::int64_t least = (std::numeric_limits<std::int64_t>::min)(),
+                               std::int64_t most = (std::numeric_limits<std::int64_t>::max)()) {
     return to_integer(token_on_line(), what, least, most);
   }
 
@@ -102,7 +103,7 @@ class TextScanner : public StickyError {
   /// to hold them, so that memory for them can be reserved: a header's lie costs nothing.
   std::size_t count(std::string_view what, std::size_t tokens_each) {
     const auto items = static_cast<std::size_t>(
-        to_integer(token(), "the number of " + std::string(what), 0, std::numeric_limits<std::int64_t>::max()));
+        to_integer(token(), "the number of " + std::string(what), 0, (std::numeric_limits<std::int64_t>::max)()));
     return fits(items, what, tokens_each) ? items : 0;
   }
 
@@ -140,19 +141,10 @@ class TextScanner : public StickyError {
   /// Numbers from tokens that the caller took itself.
   double to_number(std::string_view text, std::string_view what) {
     if (!has_token(text, what)) return 0;
-    double value = 0;
-    const auto [end, code] = std::from_chars(without_plus(text), text.data() + text.size(), value);
-    if (end != text.data() + text.size() || code == std::errc::invalid_argument) {
+    const auto [value, end] = parse_number(without_plus(text), text.data() + text.size());
+    if (end != text.data() + text.size()) {
       fail(std::string(what) + " is " + quoted(text) + ", not a number");
       return 0;
-    }
-    if (code == std::errc::result_out_of_range) {
-      // from_chars does not say which way. Too small is zero.
-      const std::size_t exponent = text.find_first_of("eE");
-      const bool small =
-          exponent == std::string_view::npos ? std::min(text.find('.'), text.size()) < 300 : text[exponent + 1] == '-';
-      if (small) return 0;
-      value = std::numeric_limits<double>::infinity();
     }
     if (!std::isfinite(value)) {
       fail(std::string(what) + " is " + quoted(text) + ", not a finite number", ErrorCode::non_finite_value);
@@ -197,7 +189,7 @@ class TextScanner : public StickyError {
 
   /// Goes on at a byte offset: formats that mix text and binary data.
   void seek(std::size_t position) {
-    position_ = token_start_ = std::min(position, text_.size());
+    position_ = token_start_ = (std::min)(position, text_.size());
     jumped_ = true;
   }
 
@@ -222,7 +214,7 @@ class TextScanner : public StickyError {
     while (position_ < text_.size()) {
       const char c = text_[position_];
       if (is_comment(c)) {
-        position_ = std::min(text_.find('\n', position_), text_.size());
+        position_ = (std::min)(text_.find('\n', position_), text_.size());
         continue;
       }
       if (c == '\n') {

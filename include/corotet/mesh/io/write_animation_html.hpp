@@ -84,7 +84,7 @@ inline std::string animation_info(const Animation& animation, const AnimationBox
 /// about 8 bytes a vertex and frame, and 20 a triangle. Errors: those of `validate`; invalid_argument for a title that
 /// is empty, or a title or caption that holds control characters.
 [[nodiscard]] inline Result<std::string> format_animation_html(const Animation& animation) {
-  if (Status status = validate(animation); !status) return status.error();
+  if (Result<void> status = validate(animation); !status) return status.error();
   const Result<std::string> title = detail::xml_attribute(animation.title, "title");
   if (!title) return title.error();
   const Result<std::string> caption =
@@ -120,9 +120,9 @@ inline std::string animation_info(const Animation& animation, const AnimationBox
 }
 
 /// Writes an .html file. Errors: those of `format_animation_html`, and file_unreadable.
-[[nodiscard]] inline Status write_animation_html(const std::filesystem::path& path, const Animation& animation) {
+[[nodiscard]] inline Result<void> write_animation_html(const std::filesystem::path& path, const Animation& animation) {
   const Result<std::string> text = format_animation_html(animation);
-  return text ? write_file(path, *text) : Status(text.error());
+  return text ? write_file(path, *text) : Result<void>(text.error());
 }
 
 }  // namespace corotet

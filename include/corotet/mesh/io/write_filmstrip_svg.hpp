@@ -55,7 +55,7 @@ inline std::string fitting_size(std::string_view words, double size, double room
   constexpr double letter_width = 0.6;  // of the size; less in most fonts
   int letters = 1;
   for (const char c : words) letters += (static_cast<unsigned char>(c) & 0xC0) != 0x80;  // a UTF-8 letter's first byte
-  return fixed_text(std::min(size, room / (letter_width * letters)), 1);
+  return fixed_text((std::min)(size, room / (letter_width * letters)), 1);
 }
 
 /// The surface of one frame: bands of brightness, cut out by its outline. Their size does not grow with the number of
@@ -156,7 +156,7 @@ inline Result<std::vector<Index>> filmstrip_frames(const Animation& animation, c
 /// or caption that holds control characters); index_out_of_range (frames).
 [[nodiscard]] inline Result<std::string> format_filmstrip_svg(const Animation& animation,
                                                               const FilmstripOptions& options = {}) {
-  if (Status status = validate(animation); !status) return status.error();
+  if (Result<void> status = validate(animation); !status) return status.error();
   const Result<std::string> title = detail::xml_attribute(animation.title, "title");
   if (!title) return title.error();
   const Result<std::string> caption =
@@ -208,10 +208,10 @@ inline Result<std::vector<Index>> filmstrip_frames(const Animation& animation, c
 }
 
 /// Writes an .svg file. Errors: those of `format_filmstrip_svg`, and file_unreadable.
-[[nodiscard]] inline Status write_filmstrip_svg(const std::filesystem::path& path, const Animation& animation,
+[[nodiscard]] inline Result<void> write_filmstrip_svg(const std::filesystem::path& path, const Animation& animation,
                                                 const FilmstripOptions& options = {}) {
   const Result<std::string> text = format_filmstrip_svg(animation, options);
-  return text ? write_file(path, *text) : Status(text.error());
+  return text ? write_file(path, *text) : Result<void>(text.error());
 }
 
 }  // namespace corotet

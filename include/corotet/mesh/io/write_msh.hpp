@@ -197,7 +197,7 @@ class MshWriter {
     return Error{ErrorCode::invalid_argument, "version", "must be 22 or 41, is " + std::to_string(options.version)};
   if (mesh.nodes_per_element != 4 && mesh.nodes_per_element != 10)
     return Error{ErrorCode::invalid_argument, "mesh", "its elements must have 4 or 10 nodes"};
-  const Status arrays = detail::check_arrays(mesh, mesh.nodes_per_element);
+  const Result<void> arrays = detail::check_arrays(mesh, mesh.nodes_per_element);
   if (!arrays && arrays.error().code != ErrorCode::unreferenced_vertex) return arrays.error();
   for (Index v = 0; v < mesh.vertex_count(); ++v)
     if (!mesh.positions[at(v)].allFinite())
@@ -206,8 +206,8 @@ class MshWriter {
 }
 
 /// Writes that content to a file.
-[[nodiscard]] inline Status write_msh(const std::filesystem::path& path, const MeshData& mesh,
-                                      MshOptions options = {}) {
+[[nodiscard]] inline Result<void> write_msh(const std::filesystem::path& path, const MeshData& mesh,
+                                            MshOptions options = {}) {
   const Result<std::string> content = format_msh(mesh, options);
   if (!content) return content.error();
   return write_file(path, *content);

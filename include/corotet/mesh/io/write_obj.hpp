@@ -25,7 +25,7 @@ namespace corotet {
   detail::TextWriter text;
   text.reserve(surface.positions.size() * (has_normals ? 120 : 60) + surface.triangles.size() * 30);
   text << "# metres\n";
-  const auto add_vectors = [&](const char* keyword, const Field<double>& vectors) -> Status {
+  const auto add_vectors = [&](const char* keyword, const Field<double>& vectors) -> Result<void> {
     for (std::size_t v = 0; v < vectors.size(); ++v) {
       if (!vectors[v].allFinite())
         return Error{ErrorCode::non_finite_value, "vertex " + std::to_string(v),
@@ -34,8 +34,8 @@ namespace corotet {
     }
     return {};
   };
-  if (Status status = add_vectors("v", surface.positions); !status) return status.error();
-  if (Status status = add_vectors("vn", surface.normals); !status) return status.error();
+  if (Result<void> status = add_vectors("v", surface.positions); !status) return status.error();
+  if (Result<void> status = add_vectors("vn", surface.normals); !status) return status.error();
 
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     text << 'f';
@@ -53,9 +53,9 @@ namespace corotet {
 }
 
 /// Writes an .obj file. Errors: those of `format_obj`, and file_unreadable.
-[[nodiscard]] inline Status write_obj(const std::filesystem::path& path, const SurfaceMesh& surface) {
+[[nodiscard]] inline Result<void> write_obj(const std::filesystem::path& path, const SurfaceMesh& surface) {
   const Result<std::string> text = format_obj(surface);
-  return text ? write_file(path, *text) : Status(text.error());
+  return text ? write_file(path, *text) : Result<void>(text.error());
 }
 
 }  // namespace corotet

@@ -21,14 +21,14 @@ class PvdWriter {
  public:
   /// Starts an empty series, replacing a file that is there. Errors: file_unreadable.
   [[nodiscard]] static Result<PvdWriter> create(std::filesystem::path path) {
-    if (Status status = write_file(path, std::string(head) + std::string(tail)); !status) return status.error();
+    if (Result<void> status = write_file(path, std::string(head) + std::string(tail)); !status) return status.error();
     return PvdWriter(std::move(path));
   }
 
   /// Adds the file of one frame, already written, at `time` (s). `file` is relative to the folder of the .pvd, in
   /// UTF-8. Errors: non_finite_value; invalid_argument for a name that is empty or holds control characters;
   /// file_unreadable. After an error the series is as it was, unless the disk failed.
-  [[nodiscard]] Status add_frame(double time, std::string_view file) {
+  [[nodiscard]] Result<void> add_frame(double time, std::string_view file) {
     if (!std::isfinite(time)) return Error{ErrorCode::non_finite_value, "time", "it must be a finite number"};
     const Result<std::string> name = detail::xml_attribute(file, "file");
     if (!name) return name.error();

@@ -117,7 +117,7 @@ class VtuText {
   std::string appended_;
 };
 
-inline Status check_vtu_values(const VtuArray& array, std::size_t count, std::string_view per) {
+inline Result<void> check_vtu_values(const VtuArray& array, std::size_t count, std::string_view per) {
   if (array.values.size() != count) {
     return Error{ErrorCode::invalid_argument, quoted(array.name),
                  "it has " + std::to_string(array.values.size()) + " entries for " + std::to_string(count) + " " +
@@ -129,7 +129,8 @@ inline Status check_vtu_values(const VtuArray& array, std::size_t count, std::st
   return {};
 }
 
-inline Status add_vtu_arrays(VtuText& text, std::span<const VtuArray> arrays, std::size_t count, std::string_view per) {
+inline Result<void> add_vtu_arrays(VtuText& text, std::span<const VtuArray> arrays, std::size_t count,
+                                   std::string_view per) {
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     const VtuArray& array = arrays[i];
     const Result<std::string> name = xml_attribute(array.name, "array name");
@@ -137,13 +138,13 @@ inline Status add_vtu_arrays(VtuText& text, std::span<const VtuArray> arrays, st
     for (std::size_t j = 0; j < i; ++j)
       if (arrays[j].name == array.name)
         return Error{ErrorCode::invalid_argument, quoted(array.name), "two arrays have this name"};
-    if (Status status = check_vtu_values(array, count, per); !status) return status;
+    if (Result<void> status = check_vtu_values(array, count, per); !status) return status;
     array.values.visit([&](auto values) { text.add_array(*name, values, array.values.components()); });
   }
   return {};
 }
 
-inline Status check_vtu_cells(const VtuCells& cells, std::size_t point_count) {
+inline Result<void> check_vtu_cells(const VtuCells& cells, std::size_t point_count) {
   if (vtk_cell_type(cells.nodes_per_cell) == 0 || cells.connectivity.size() % at(cells.nodes_per_cell) != 0) {
     return Error{ErrorCode::invalid_argument, "cells",
                  "cells have 3, 4 or 10 nodes, here " + std::to_string(cells.nodes_per_cell) + ", and " +
@@ -166,9 +167,9 @@ inline Status check_vtu_cells(const VtuCells& cells, std::size_t point_count) {
   const std::size_t points = grid.points.size();
   if (points > 0 && grid.points.components() != 3)
     return Error{ErrorCode::invalid_argument, "points", "they must have three components"};
-  if (Status status = detail::check_vtu_values({"points", grid.points}, points, "points"); !status)
+  if (Result<void> status = detail::check_vtu_values({"points", grid.points}, points, "points"); !status)
     return status.error();
-  if (Status status = detail::check_vtu_cells(grid.cells, points); !status) return status.error();
+  if (Result<void> status = detail::check_vtu_cells(grid.cells, points); !status) return status.error();
   const std::size_t nodes = at(grid.cells.nodes_per_cell), cells = grid.cells.connectivity.size() / nodes;
 
   detail::VtuText text(options);
@@ -176,9 +177,11 @@ inline Status check_vtu_cells(const VtuCells& cells, std::size_t point_count) {
              << (options.byte_order == std::endian::big ? "BigEndian" : "LittleEndian")
              << "\" header_type=\"UInt64\">\n  <UnstructuredGrid>\n    <Piece NumberOfPoints=\"" << points
              << "\" NumberOfCells=\"" << cells << "\">\n      <PointData>\n";
-  if (Status status = detail::add_vtu_arrays(text, grid.point_data, points, "points"); !status) return status.error();
+  if (Result<void> status = detail::add_vtu_arrays(text, grid.point_data, points, "points"); !status)
+    return status.error();
   text.xml() << "      </PointData>\n      <CellData>\n";
-  if (Status status = detail::add_vtu_arrays(text, grid.cell_data, cells, "cells"); !status) return status.error();
+  if (Result<void> status = detail::add_vtu_arrays(text, grid.cell_data, cells, "cells"); !status)
+    return status.error();
   text.xml() << "      </CellData>\n      <Points>\n";
   grid.points.visit([&](auto values) { text.add_array("Points", values, 3); });
   text.xml() << "      </Points>\n      <Cells>\n";
@@ -193,9 +196,10 @@ inline Status check_vtu_cells(const VtuCells& cells, std::size_t point_count) {
 }
 
 /// Writes a .vtu file. Errors: those of `format_vtu`, and file_unreadable.
-[[nodiscard]] inline Status write_vtu(const std::filesystem::path& path, const VtuGrid& grid, VtuOptions options = {}) {
+[[nodiscard]] inline Result<void> write_vtu(const std::filesystem::path& path, const VtuGrid& grid,
+                                            VtuOptions options = {}) {
   const Result<std::string> text = format_vtu(grid, options);
-  return text ? write_file(path, *text) : Status(text.error());
+  return text ? write_file(path, *text) : Result<void>(text.error());
 }
 
 }  // namespace corotet

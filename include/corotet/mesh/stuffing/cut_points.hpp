@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/mesh/stuffing/lattice.hpp>
 #include <cstdint>
@@ -48,9 +49,9 @@ double crossing(const Function& f, const Vec3<double>& a, const Vec3<double>& b,
     const double before = t;
     t = low + (high - low) * (fa / (fa - fb));
     if (!(t > low && t < high)) t = (low + high) / 2;
-    if (step > 0 && std::abs(t - before) < close) break;
+    if (step > 0 && std::fabs(t - before) < close) break;
     const double ft = f(Vec3<double>(a + t * (b - a)));
-    if (ft == 0 || !std::isfinite(ft)) break;
+    if (is_zero(ft) || !std::isfinite(ft)) break;
     const int side = (ft < 0) == (fa < 0) ? -1 : 1;
     (side < 0 ? low : high) = t;
     (side < 0 ? fa : fb) = ft;

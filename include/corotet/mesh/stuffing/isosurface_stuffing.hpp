@@ -30,8 +30,8 @@ namespace corotet {
 struct StuffingOptions {
   double size = 0;  ///< side of a lattice cube, m, > 0: elements have edges of 0.87 and 1 of it, less at the surface
   double most_cubes = 1e7;  ///< refuse larger lattices; each cube takes some 50 bytes while meshing, up to 1e8
-  /// The function changes by no more than 1 m a m, as distances do: whole blocks of the lattice far from the surface
-  /// are then settled by one evaluation.
+  /// The function changes by no more than 1 m a m, as distances do: whole blocks of the lattice in_middle from the
+  /// surface are then settled by one evaluation.
   bool is_distance = false;
 };
 
@@ -39,7 +39,7 @@ namespace detail {
 
 inline constexpr Index stuffing_margin = 2;  // cubes around the box: the outermost layer must lie outside
 
-/// Values of `f` at the lattice vertices; with `is_distance` bounds of the same sign where the surface is far.
+/// Values of `f` at the lattice vertices; with `is_distance` bounds of the same sign where the surface is in_middle.
 template <class Function>
 std::vector<double> sample(const BccLattice& lattice, const Function& f, bool is_distance) {
   std::vector<double> values(at(lattice.vertex_count()));
@@ -51,15 +51,15 @@ std::vector<double> sample(const BccLattice& lattice, const Function& f, bool is
         // The vertices of a block fill half a cube less than `block` cubes, from its first corner on.
         const Vec3<double> middle =
             lattice.position(lattice.corner(i, j, k)) + Vec3<double>::Constant((block - 0.5) / 2 * lattice.size());
-        const double far = is_distance ? f(middle) : 0;
+        const double in_middle = is_distance ? f(middle) : 0;
         const auto fill = [&](Index v) {
           const Vec3<double> p = lattice.position(v);
-          const double bound = std::abs(far) - (p - middle).norm();
-          values[at(v)] = bound > 0 ? std::copysign(bound, far) : f(p);
+          const double bound = std::fabs(in_middle) - (p - middle).norm();
+          values[at(v)] = bound > 0 ? std::copysign(bound, in_middle) : f(p);
         };
-        for (Index z = k; z < std::min(k + block, n[2] + 1); ++z)
-          for (Index y = j; y < std::min(j + block, n[1] + 1); ++y)
-            for (Index x = i; x < std::min(i + block, n[0] + 1); ++x) {
+        for (Index z = k; z < (std::min)(k + block, n[2] + 1); ++z)
+          for (Index y = j; y < (std::min)(j + block, n[1] + 1); ++y)
+            for (Index x = i; x < (std::min)(i + block, n[0] + 1); ++x) {
               fill(lattice.corner(x, y, z));
               if (x < n[0] && y < n[1] && z < n[2]) fill(lattice.centre(x, y, z));
             }
@@ -84,7 +84,7 @@ inline MeshData fill_lattice(const BccLattice& lattice, const CutLattice& cut) {
       const Index c = cut.find_cut(v.a, v.b);
       return number(of_cut[at(c)], [&] {
         const Vec3<double> a = lattice.position(cut.cuts[at(c)].ends.first);
-        return Vec3<double>(a + cut.cuts[at(c)].along * (lattice.position(cut.cuts[at(c)].ends.second) - a));
+        return a + cut.cuts[at(c)].along * (lattice.position(cut.cuts[at(c)].ends.second) - a);
       });
     }
     return number(of_lattice[at(v.a)], [&] {
@@ -119,10 +119,10 @@ template <std::invocable<const Vec3<double>&> Function>
   if (!box.low.allFinite() || !box.high.allFinite() || !((box.high - box.low).minCoeff() >= 0))
     return Error{ErrorCode::invalid_argument, "box", "it must be finite, and low no greater than high"};
   const double cubes = detail::BccLattice::cell_count_of(box, options.size, detail::stuffing_margin);
-  if (!(cubes <= std::min(options.most_cubes, 1e8)))
+  if (!(cubes <= (std::min)(options.most_cubes, 1e8)))
     return Error{ErrorCode::invalid_argument, "size",
                  "it takes " + std::to_string(cubes) + " lattice cubes; at most " +
-                     std::to_string(std::min(options.most_cubes, 1e8)) + " are allowed"};
+                     std::to_string((std::min)(options.most_cubes, 1e8)) + " are allowed"};
 
   const detail::BccLattice lattice(box, options.size, detail::stuffing_margin);
   const std::vector<double> values = detail::sample(lattice, f, options.is_distance);
@@ -157,7 +157,7 @@ template <std::invocable<const Vec3<double>&> Function>
   if (!mesh) return mesh;
   if (distance->turned())
     mesh->notes.push_back("the surface is wound clockwise seen from outside: taken as turned round");
-  if (Status status = detail::note_perforation(*mesh, surface, options.size); !status) return status.error();
+  if (Result<void> status = detail::note_perforation(*mesh, surface, options.size); !status) return status.error();
   return mesh;
 }
 

@@ -21,7 +21,7 @@ class BccLattice {
   /// range.
   BccLattice(const Box& box, double size, Index margin) : size_(size) {
     for (int i = 0; i < 3; ++i) {
-      cells_[at(i)] = static_cast<Index>(std::max(1.0, std::ceil((box.high[i] - box.low[i]) / size))) + 2 * margin;
+      cells_[at(i)] = static_cast<Index>((std::max)(1.0, std::ceil((box.high[i] - box.low[i]) / size))) + 2 * margin;
       low_[i] = (box.low[i] + box.high[i] - size * cells_[at(i)]) / 2;
     }
     corners_ = (cells_[0] + 1) * (cells_[1] + 1) * (cells_[2] + 1);
@@ -30,7 +30,7 @@ class BccLattice {
   /// Cubes that a lattice would have, before anything is built; may exceed any integer.
   static double cell_count_of(const Box& box, double size, Index margin) {
     double count = 1;
-    for (int i = 0; i < 3; ++i) count *= std::max(1.0, std::ceil((box.high[i] - box.low[i]) / size)) + 2.0 * margin;
+    for (int i = 0; i < 3; ++i) count *= (std::max)(1.0, std::ceil((box.high[i] - box.low[i]) / size)) + 2.0 * margin;
     return count;
   }
 

@@ -43,7 +43,7 @@ struct SurfaceTopology {
       edges.emplace_back(low, high);
       used[at(t[i])] = true;
       const Index a = root(low), b = root(high);
-      parent[at(std::max(a, b))] = std::min(a, b);
+      parent[at((std::max)(a, b))] = (std::min)(a, b);
     }
   std::sort(edges.begin(), edges.end());
   const auto edge_count = std::unique(edges.begin(), edges.end()) - edges.begin();
@@ -61,7 +61,7 @@ struct SurfaceTopology {
 namespace detail {
 
 /// Adds notes about what the mesh of `surface`, made with lattice cubes of `size` (m), lost.
-inline Status note_perforation(MeshData& mesh, const SurfaceMesh& surface, double size) {
+inline Result<void> note_perforation(MeshData& mesh, const SurfaceMesh& surface, double size) {
   const Result<BoundarySurface> boundary = extract_boundary(mesh);
   if (!boundary) return boundary.error();
   const SurfaceTopology want = surface_topology(surface.triangles, surface.positions.size());

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <corotet/core/assert.hpp>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/mesh/box_tree.hpp>
@@ -29,8 +30,9 @@ class SignedDistance {
   /// not merged), or where the surface encloses no volume.
   [[nodiscard]] static Result<SignedDistance> create(const SurfaceMesh& surface) {
     if (surface.triangles.empty()) return Error{ErrorCode::empty_mesh, "surface", "it has no triangles"};
-    if (Status status = detail::check_positions(surface.positions, "surface vertex"); !status) return status.error();
-    if (Status status = detail::check_triangles(surface); !status) return status.error();
+    if (Result<void> status = detail::check_positions(surface.positions, "surface vertex"); !status)
+      return status.error();
+    if (Result<void> status = detail::check_triangles(surface); !status) return status.error();
     SignedDistance out;
     out.positions_ = surface.positions;
     out.triangles_ = surface.triangles;
@@ -44,8 +46,8 @@ class SignedDistance {
       Box& box = boxes.emplace_back();
       for (const Vec3<double>& p : {x, y, z}) box.add(p);
     }
-    if (Status status = out.add_edges(); !status) return status.error();
-    if (volume == 0) return Error{ErrorCode::invalid_argument, "surface", "it encloses no volume"};
+    if (Result<void> status = out.add_edges(); !status) return status.error();
+    if (detail::is_zero(volume)) return Error{ErrorCode::invalid_argument, "surface", "it encloses no volume"};
     out.turn_ = volume < 0 ? -1 : 1;
     out.vertex_normals_ = vertex_normals(surface);
     out.tree_ = BoxTree(boxes);
@@ -76,7 +78,7 @@ class SignedDistance {
   SignedDistance() = default;
 
   static double nearest_or_infinite(const SimplexPoint<3>& q) {
-    const bool unset = q.barycentric[0] + q.barycentric[1] + q.barycentric[2] == 0;
+    const bool unset = detail::is_zero(q.barycentric[0] + q.barycentric[1] + q.barycentric[2]);
     return unset ? std::numeric_limits<double>::infinity() : q.squared_distance;
   }
 
@@ -84,16 +86,17 @@ class SignedDistance {
   [[nodiscard]] const Vec3<double>& pseudonormal(Index t, const SimplexPoint<3>& q) const {
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-      if (q.barycentric[j] == 0 && q.barycentric[k] == 0) return vertex_normals_[at(triangles_[at(t)][i])];
+      if (detail::is_zero(q.barycentric[j]) && detail::is_zero(q.barycentric[k]))
+        return vertex_normals_[at(triangles_[at(t)][i])];
     }
     for (std::size_t i = 0; i < 3; ++i)
-      if (q.barycentric[(i + 2) % 3] == 0) return edge_normals_[at(triangle_edges_[at(t)][i])];
+      if (detail::is_zero(q.barycentric[(i + 2) % 3])) return edge_normals_[at(triangle_edges_[at(t)][i])];
     return face_normals_[at(t)];
   }
 
   /// Pairs up the two sides of each edge and sums their normals. Edge i of a triangle runs from its corner i to the
   /// next.
-  Status add_edges() {
+  Result<void> add_edges() {
     struct Side {
       std::pair<Index, Index> ends;
       Index triangle;

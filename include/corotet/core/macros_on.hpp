@@ -1,0 +1,18 @@
+// Brings back what macros_off.hpp has put aside.
+
+#pragma pop_macro("B1")
+#pragma pop_macro("Complex")
+#pragma pop_macro("Data")
+#pragma pop_macro("F")
+#pragma pop_macro("I")
+#pragma pop_macro("IN")
+#pragma pop_macro("K")
+#pragma pop_macro("Status")
+#pragma pop_macro("Success")
+#pragma pop_macro("THIS")
+#pragma pop_macro("abs")
+#pragma pop_macro("bit")
+#pragma pop_macro("check")
+#pragma pop_macro("max")
+#pragma pop_macro("min")
+#pragma pop_macro("round")
