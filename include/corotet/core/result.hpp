@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// What kind of thing went wrong; the texts of Error say exactly what, where and why.
 enum class ErrorCode {
@@ -38,7 +38,7 @@ template <class T>
 class [[nodiscard]] Result {
  public:
   // Implicit on purpose: `return value;` and `return Error{...};` are the two ways to end a function.
-  Result(T value) : value_(std::move(value)) {}  // NOLINT(google-explicit-constructor)
+  Result(T value) : value_(std::move(value)) {}      // NOLINT(google-explicit-constructor)
   Result(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
 
   [[nodiscard]] bool ok() const { return value_.has_value(); }
@@ -92,4 +92,4 @@ class [[nodiscard]] Result<void> {
   std::optional<Error> error_;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// The triangles and the lines stay; their vertices move. Frame k is at time k * `frame_seconds`.
 struct Animation {
@@ -43,7 +43,7 @@ inline Result<void> validate_frames(const std::vector<Field<double>>& frames, co
 
 template <std::size_t Corners>
 Result<void> validate_indices(const std::vector<std::array<Index, Corners>>& shapes, std::size_t vertices,
-                        std::string_view name) {
+                              std::string_view name) {
   for (std::size_t i = 0; i < shapes.size(); ++i)
     for (const Index v : shapes[i])
       if (v < 0 || at(v) >= vertices)
@@ -99,15 +99,17 @@ inline AnimationBox box_of(const Animation& animation) {
                      " lines; give as many, or none without lines"};
   if (Result<void> status = detail::validate_frames(animation.surface_frames, "surface_frames"); !status) return status;
   if (Result<void> status = detail::validate_frames(animation.line_frames, "line_frames"); !status) return status;
-  if (Result<void> status = detail::validate_indices(animation.triangles, animation.surface_frames[0].size(), "triangle");
+  if (Result<void> status =
+          detail::validate_indices(animation.triangles, animation.surface_frames[0].size(), "triangle");
       !status)
     return status;
   if (!animation.lines.empty())
-    if (Result<void> status = detail::validate_indices(animation.lines, animation.line_frames[0].size(), "line"); !status)
+    if (Result<void> status = detail::validate_indices(animation.lines, animation.line_frames[0].size(), "line");
+        !status)
       return status;
   if (!std::isfinite(detail::box_of(animation).longest))
     return Error{ErrorCode::non_finite_value, "surface_frames", "the size of the whole is beyond the range of double"};
   return {};
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Ordering, elimination tree and column counts of L, A = P^T L L^T P (Davis 2006, "Direct Methods for Sparse Linear
 /// Systems", sections 4.1 to 4.4), by blocks of any size.
@@ -80,11 +80,10 @@ struct SymbolicFactor {
     column_start.assign(1, 0);
     for (const Index c : count) {
       blocks += at(c);
-      column_start.push_back(
-          static_cast<Index>((std::min)(blocks, std::size_t{(std::numeric_limits<Index>::max)()})));
+      column_start.push_back(static_cast<Index>((std::min)(blocks, std::size_t{(std::numeric_limits<Index>::max)()})));
       squares += 1.0 * c * c;
     }
   }
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1
