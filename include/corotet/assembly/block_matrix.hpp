@@ -3,13 +3,13 @@
 
 #include <array>
 #include <corotet/assembly/block_pattern.hpp>
+#include <corotet/core/buffer.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
 #include <cstddef>
 #include <memory>
 #include <utility>
-#include <vector>
 
 namespace corotet::inline v0_1 {
 
@@ -120,7 +120,7 @@ class BlockMatrix {
   static constexpr std::size_t padding = 4;
 
   std::shared_ptr<const BlockPattern> pattern_;
-  std::vector<Scalar> value_;
+  detail::Buffer<Scalar> value_;
 };
 
 }  // namespace corotet::inline v0_1

@@ -5,10 +5,10 @@
 #include <corotet/assembly/block_pattern.hpp>
 #include <corotet/assembly/deformation_extremes.hpp>
 #include <corotet/assembly/twist_modes.hpp>
+#include <corotet/core/buffer.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/element_batch.hpp>
-#include <vector>
 
 namespace corotet::inline v0_1 {
 
@@ -20,8 +20,8 @@ class ElasticEvaluation {
   static constexpr std::size_t points = Element::stiffness_points.size();
   static constexpr std::size_t nodes = Element::nodes;
 
-  std::vector<DeformationExtremes> extremes;  ///< one a task
-  TwistModes<Scalar> twist;                   ///< what the tangent has besides the warped stiffness
+  detail::Buffer<DeformationExtremes> extremes;  ///< one a task
+  TwistModes<Scalar> twist;                      ///< what the tangent has besides the warped stiffness
 
   ElasticEvaluation() = default;
 
@@ -85,9 +85,9 @@ class ElasticEvaluation {
  private:
   struct alignas(4 * sizeof(Scalar)) Four : std::array<Scalar, 4> {};
 
-  std::vector<Four> force_;     // [element][node]
-  std::vector<Four> gradient_;  // [point][element][node]
-  std::vector<Four> mean_gradient_;
+  detail::Buffer<Four> force_;     // [element][node]
+  detail::Buffer<Four> gradient_;  // [point][element][node]
+  detail::Buffer<Four> mean_gradient_;
   std::size_t elements_ = 0;
 };
 

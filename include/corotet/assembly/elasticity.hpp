@@ -12,6 +12,7 @@
 #include <corotet/assembly/element_rotations.hpp>
 #include <corotet/assembly/mean_dilatation.hpp>
 #include <corotet/assembly/strain.hpp>
+#include <corotet/core/buffer.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/element_batch.hpp>
@@ -23,7 +24,6 @@
 #include <corotet/rotation/rotation_extractor.hpp>
 #include <optional>
 #include <span>
-#include <vector>
 
 namespace corotet::inline v0_1 {
 
@@ -75,7 +75,7 @@ class Elasticity {
   [[nodiscard]] Index element_count() const { return elements_; }
   /// The lambda / mu that acts at quadrature points, if it is the same in all elements.
   [[nodiscard]] std::optional<Scalar> common_lame_ratio() const { return common_lame_ratio_; }
-  [[nodiscard]] const std::vector<Batch>& batches() const { return batches_; }
+  [[nodiscard]] const detail::Buffer<Batch>& batches() const { return batches_; }
   [[nodiscard]] const MeanDilatation<Scalar, Element>& mean_dilatation() const { return mean_; }
   /// Vertices that the matrix couples besides those of an element: for BlockPattern::of.
   [[nodiscard]] const VertexGroups& vertex_groups() const { return mean_.patches().vertices; }
@@ -95,7 +95,7 @@ class Elasticity {
 
   /// W, J. Summed in double and in element order, whatever Scalar is.
   [[nodiscard]] double energy(const Field<Scalar>& displacement) const {
-    std::vector<double> scratch(mean_.scratch_size());
+    detail::Buffer<double> scratch(mean_.scratch_size());
     return energy(displacement, scratch);
   }
   /// The same without allocating: `scratch` has mean_dilatation().scratch_size() entries.
@@ -273,7 +273,7 @@ class Elasticity {
   }
 
   Index elements_;
-  std::vector<Batch> batches_;
+  detail::Buffer<Batch> batches_;
   std::optional<Scalar> common_lame_ratio_;
   Mean mean_;
 };

@@ -4,13 +4,13 @@
 #include <array>
 #include <concepts>
 #include <corotet/assembly/block_pattern.hpp>
+#include <corotet/core/buffer.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/jacobian.hpp>
 #include <corotet/element/reference_element.hpp>
 #include <corotet/material/material.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
 #include <type_traits>
-#include <vector>
 
 namespace corotet::inline v0_1 {
 
@@ -31,8 +31,8 @@ class Mass {
   Mass(const TetMesh<Scalar, Element>& mesh, const Materials& materials, MassModel model, const BlockPattern& pattern)
       : model_(model), row_sum_(at(mesh.vertex_count()), Scalar(0)) {
     constexpr std::size_t n = Element::nodes;
-    std::vector<double> factor(model == MassModel::lumped ? row_sum_.size() : at(pattern.blocks()), 0.0);
-    std::vector<double> row_sum(row_sum_.size(), 0.0);
+    detail::Buffer<double> factor(model == MassModel::lumped ? row_sum_.size() : at(pattern.blocks()), 0.0);
+    detail::Buffer<double> row_sum(row_sum_.size(), 0.0);
     for (Index e = 0; e < mesh.element_count(); ++e) {
       const auto& nodes = mesh.element(e);
       const ElementMass<n> m = element_mass(mesh, e, materials.of_element(at(e)).density);
@@ -52,7 +52,7 @@ class Mass {
     }
     factor_.assign(factor.size(), Scalar(0));
     for (std::size_t k = 0; k < factor.size(); ++k) factor_[k] = static_cast<Scalar>(factor[k]);
-    const std::vector<double>& weight = model == MassModel::lumped ? factor : row_sum;
+    const detail::Buffer<double>& weight = model == MassModel::lumped ? factor : row_sum;
     for (std::size_t v = 0; v < weight.size(); ++v) row_sum_[v] = static_cast<Scalar>(weight[v]);
   }
 
@@ -111,8 +111,8 @@ class Mass {
 
   MassModel model_;
   double total_ = 0;
-  std::vector<Scalar> factor_;
-  std::vector<Scalar> row_sum_;
+  detail::Buffer<Scalar> factor_;
+  detail::Buffer<Scalar> row_sum_;
 };
 
 /// Rayleigh damping D = mass * M + stiffness * K'.

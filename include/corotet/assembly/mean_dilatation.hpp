@@ -8,12 +8,12 @@
 #include <corotet/assembly/dilatation_patches.hpp>
 #include <corotet/assembly/elastic_evaluation.hpp>
 #include <corotet/assembly/strain.hpp>
+#include <corotet/core/buffer.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/element_batch.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
 #include <cstdint>
-#include <vector>
 
 namespace corotet::inline v0_1 {
 
@@ -76,7 +76,7 @@ class MeanDilatation {
     if (on_) ratio_[at(element / lane_count<Scalar>)].set(element % lane_count<Scalar>, static_cast<Scalar>(rest));
   }
 
-  void update_weights(const std::vector<Batch>& batches) {
+  void update_weights(const detail::Buffer<Batch>& batches) {
     if constexpr (over_patches)
       for (Index p = 0; p < patches_.count(); ++p) {
         double sum = 0;  // of w, J
@@ -198,10 +198,10 @@ class MeanDilatation {
   }
 
   bool on_ = false;
-  std::vector<L> ratio_;  // m / mu, one a batch
+  detail::Buffer<L> ratio_;  // m / mu, one a batch
   DilatationPatches patches_;
-  std::vector<Weight> weight_;                                   // one an element, in the order of the patches
-  std::vector<std::array<std::uint8_t, Element::nodes>> local_;  // of its nodes in the patch's vertices
+  detail::Buffer<Weight> weight_;                                   // one an element, in the order of the patches
+  detail::Buffer<std::array<std::uint8_t, Element::nodes>> local_;  // of its nodes in the patch's vertices
 };
 
 }  // namespace corotet::inline v0_1

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <concepts>
+#include <corotet/core/buffer.hpp>
 #include <corotet/core/lanes.hpp>
 #include <corotet/core/types.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <string_view>
-#include <vector>
 
 namespace corotet::inline v0_1 {
 
@@ -55,9 +55,8 @@ class TwistModes {
       : tangent_(tangent),
         projects_(tangent == Tangent::stretch_stable),
         batches_(tangent == Tangent::plain ? 0 : batches),
-        active_(batches_ * points, 0) {
-    value_.resize(active_.size() * at(lane_count<Scalar>));
-  }
+        active_(batches_ * points, 0),
+        value_(batches_ * points * at(lane_count<Scalar>)) {}
 
   [[nodiscard]] Tangent tangent() const { return tangent_; }
   /// Whether modes of negative stiffness are left out. Exact: as set here, from the next evaluation on.
@@ -181,8 +180,8 @@ class TwistModes {
   Scalar most_left_ = Scalar(0.5);
   bool projects_ = false;
   std::size_t batches_ = 0;
-  std::vector<std::uint8_t> active_;          // [point][batch]
-  std::vector<std::array<Scalar, 8>> value_;  // [point][element], two of eight unused
+  detail::Buffer<std::uint8_t> active_;          // [point][batch]
+  detail::Buffer<std::array<Scalar, 8>> value_;  // [point][element], two of eight unused
 };
 
 }  // namespace corotet::inline v0_1

@@ -3,12 +3,12 @@
 
 #include <array>
 #include <concepts>
+#include <corotet/core/buffer.hpp>
 #include <corotet/core/simd_pack.hpp>
 #include <corotet/core/types.hpp>
 #include <cstddef>
 #include <cstring>
 #include <utility>
-#include <vector>
 
 namespace corotet::inline v0_1 {
 inline namespace COROTET_ISA {
@@ -115,6 +115,6 @@ struct alignas(4 * sizeof(Scalar)) PaddedVector : std::array<Scalar, 4> {
   [[nodiscard]] Vec3<Scalar> vector() const { return {(*this)[0], (*this)[1], (*this)[2]}; }
 };
 template <std::floating_point Scalar>
-using PaddedField = std::vector<PaddedVector<Scalar>>;
+using PaddedField = detail::Buffer<PaddedVector<Scalar>>;
 
 }  // namespace corotet::inline v0_1

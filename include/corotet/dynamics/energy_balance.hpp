@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <corotet/core/buffer.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/revision.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/step_equation.hpp>
 #include <corotet/solve/range_sum.hpp>
 #include <limits>
-#include <vector>
 
 namespace corotet::inline v0_1 {
 
@@ -112,7 +112,7 @@ class EnergyBalance {
   /// (h w)^2 / 2 in each step, and is drawn back in the next: to solve that again would do no more than brake it.
   static constexpr double least_stress = 0.1;
 
-  std::vector<double> scratch_;
+  detail::Buffer<double> scratch_;
   RangeSums<5> sums_;
   double vertices_;
   double elastic_ = 0, elastic_after_ = 0, gained_ = 0, kinetic_ = 0, excess_ = 0;  // J

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <corotet/assembly/block_matrix.hpp>
+#include <corotet/core/buffer.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/block_factor.hpp>
 #include <corotet/solve/small_cholesky.hpp>
@@ -102,7 +103,7 @@ class BlockCholesky {
 
   SymbolicFactor symbolic_;
   BlockFactor<Scalar, B> factor_;
-  std::vector<Block> work_;
+  detail::Buffer<Block> work_;
   std::vector<Index> stack_, marked_, filled_;
 };
 

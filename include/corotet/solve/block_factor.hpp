@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <corotet/core/buffer.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
 #include <cstddef>
@@ -39,8 +40,7 @@ class BlockFactor {
     order = other.order;
     column_start = other.column_start;
     row = other.row;
-    value_.resize(block_size * row.size() + width, Scalar(0));
-    work_.resize(at(rows()) * width, Scalar(0));
+    if (value_.empty()) allocate();
     for (Index p = 0; p < size_of(row); ++p) block(p) = other.block(p).template cast<Scalar>();
   }
 
@@ -118,7 +118,7 @@ class BlockFactor {
     return sum;
   }
 
-  std::vector<Scalar> value_, work_;
+  detail::Buffer<Scalar> value_, work_;
 };
 
 }  // namespace corotet::inline v0_1

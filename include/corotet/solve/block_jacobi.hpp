@@ -2,12 +2,12 @@
 #pragma once
 
 #include <corotet/assembly/block_matrix.hpp>
+#include <corotet/core/buffer.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/range_sum.hpp>
 #include <corotet/solve/solver.hpp>
-#include <vector>
 
 namespace corotet::inline v0_1 {
 
@@ -56,7 +56,7 @@ class BlockJacobi {
   }
 
   bool whole_blocks_ = true;
-  std::vector<Inverse> inverse_;
+  detail::Buffer<Inverse> inverse_;
   RangeSum sum_;
 };
 

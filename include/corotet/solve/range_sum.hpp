@@ -1,15 +1,16 @@
 // Sums over a field that give the same bits on any number of threads.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <concepts>
+#include <corotet/core/buffer.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
 #include <cstddef>
 #include <span>
 #include <type_traits>
-#include <vector>
 
 namespace corotet::inline v0_1 {
 
@@ -63,16 +64,18 @@ class RangeSums {
   using Sums = std::array<double, K>;
 
   RangeSums() = default;
-  explicit RangeSums(Index count) : count_(count), partial_(at((count + grain - 1) / grain), Sums{}) {}
+  explicit RangeSums(Index count) : count_(count), partial_(at((count + grain - 1) / grain) * K) {}
 
   /// The sums of `part(begin, end)`, which returns Sums, over all ranges.
   template <std::invocable<Index, Index> Part>
   [[nodiscard]] Sums operator()(ExecutorRef executor, Part&& part) {
-    for_ranges(executor, count_, grain,
-               [&](Index begin, Index end) { partial_[at(begin / grain)] = part(begin, end); });
+    for_ranges(executor, count_, grain, [&](Index begin, Index end) {
+      const Sums sums = part(begin, end);
+      std::copy(sums.begin(), sums.end(), partial_.data() + at(begin / grain) * K);
+    });
     Sums sums{};
-    for (const Sums& p : partial_)
-      for (std::size_t k = 0; k < K; ++k) sums[k] += p[k];
+    for (std::size_t p = 0; p < partial_.size(); p += K)
+      for (std::size_t k = 0; k < K; ++k) sums[k] += partial_[p + k];
     return sums;
   }
 
@@ -81,7 +84,7 @@ class RangeSums {
 
  private:
   Index count_ = 0;
-  std::vector<Sums> partial_;
+  detail::Buffer<double> partial_;  // K a range
 };
 
 /// One sum.

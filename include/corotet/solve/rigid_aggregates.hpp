@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <corotet/assembly/block_matrix.hpp>
+#include <corotet/core/buffer.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
@@ -250,9 +251,9 @@ class RigidAggregates {
 
   RigidParts<Scalar> body_;
   BlockJacobi<Scalar> smoother_;
-  std::vector<SixVector<Scalar>> load_, motion_, group_motion_;
-  std::vector<Block6> part_inverse_;
-  std::vector<double> part_sum_;
+  detail::Buffer<SixVector<Scalar>> load_, motion_, group_motion_;
+  detail::Buffer<Block6> part_inverse_;
+  detail::Buffer<double> part_sum_;
   BlockMatrix<double, 6> coarse_;
   BlockCholesky<double, 6> cholesky_;
   BlockFactor<Scalar, 6> factor_;

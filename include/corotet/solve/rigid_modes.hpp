@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 #include <corotet/assembly/block_matrix.hpp>
+#include <corotet/core/buffer.hpp>
 #include <corotet/core/types.hpp>
-#include <vector>
 
 namespace corotet::inline v0_1 {
 
@@ -24,10 +24,10 @@ template <std::floating_point Scalar>
 template <std::floating_point Scalar>
 struct RigidFrames {
   Field<Scalar> rest_center, center;  ///< mean position of the members, m
-  std::vector<Mat3<Scalar>> rotation;
+  detail::Buffer<Mat3<Scalar>> rotation;
   /// 1 / size, 1/m, which makes rotations as large as translations; 0 for a part that cannot be said to turn, because
   /// what is free of it lies on a line.
-  std::vector<Scalar> inverse_size;
+  detail::Buffer<Scalar> inverse_size;
 
   explicit RigidFrames(Index parts = 0)
       : rest_center(at(parts), Vec3<Scalar>::Zero()),

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <corotet/core/buffer.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
@@ -11,7 +12,6 @@
 #include <corotet/solve/rotation_of_points.hpp>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 namespace corotet::inline v0_1 {
 
@@ -24,9 +24,9 @@ struct RigidParts {
   Aggregates parts, groups;  ///< of vertices; of parts
   bool coupled = true;       ///< there are no groups: parts are coupled directly
   RigidFrames<Scalar> part_frames, group_frames;
-  PaddedField<Scalar> offset;       ///< of each vertex from its part's centre at rest, turned, and 1; zeros if pinned
-  Field<Scalar> arm;                ///< of each part's centre from its group's at rest, turned; empty without groups
-  std::vector<std::uint8_t> moves;  ///< 0: pinned
+  PaddedField<Scalar> offset;  ///< of each vertex from its part's centre at rest, turned, and 1; zeros if pinned
+  Field<Scalar> arm;           ///< of each part's centre from its group's at rest, turned; empty without groups
+  detail::Buffer<std::uint8_t> moves;  ///< 0: pinned
 
   RigidParts() = default;
   RigidParts(const Field<Scalar>& rest_positions, Index part_count, Index group_count)

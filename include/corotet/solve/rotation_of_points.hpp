@@ -2,11 +2,11 @@
 #pragma once
 
 #include <algorithm>
+#include <corotet/core/buffer.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/lanes.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/rotation/polar.hpp>
-#include <vector>
 
 namespace corotet::inline v0_1 {
 
@@ -15,7 +15,7 @@ namespace corotet::inline v0_1 {
 /// Teschner & Gross 2005, "Meshless deformations based on shape matching", section 3.3). A group whose points lie on a
 /// line, or coincide, gets one of the rotations that fit.
 template <std::floating_point Scalar>
-void rotations_of_moments(std::vector<Mat3<Scalar>>& moment, ExecutorRef executor) {
+void rotations_of_moments(detail::Buffer<Mat3<Scalar>>& moment, ExecutorRef executor) {
   constexpr Index lanes = lane_count<Scalar>;
   for_ranges(executor, size_of(moment), 8 * lanes, [&](Index begin, Index end) {
     for (Index first = begin; first < end; first += lanes) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <corotet/assembly/block_matrix.hpp>
+#include <corotet/core/buffer.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
@@ -16,7 +17,6 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <vector>
 
 namespace corotet::inline v0_1 {
 
@@ -34,7 +34,7 @@ class WarpedCholesky {
   /// Ordering and pattern of the factor; `allocate` must follow before use.
   void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest) {
     pattern_ = pattern;
-    rest_.resize(rest.size());
+    rest_ = PaddedField<Scalar>(rest.size());
     for (std::size_t v = 0; v < rest.size(); ++v) rest_[v].set(rest[v]);
     cholesky_.analyze(*pattern);
   }
@@ -129,7 +129,7 @@ class WarpedCholesky {
   std::shared_ptr<const BlockPattern> pattern_;
   PaddedField<Scalar> rest_, place_;  // m
   Field<Scalar> turned_back_;
-  std::vector<Mat3<Scalar>> rotation_;
+  detail::Buffer<Mat3<Scalar>> rotation_;
   BlockCholesky<double> cholesky_;
   BlockMatrix<double> unturned_;
   BlockFactor<Scalar, 3> factor_;

@@ -1,0 +1,78 @@
+// Numbers of one kind side by side, as many as were asked for.
+#pragma once
+
+#include <cstddef>
+#include <cstring>
+#include <new>
+#include <type_traits>
+#include <utility>
+
+namespace corotet::inline v0_1::detail {
+
+/// Bytes on a boundary of 64.
+class RawBuffer {
+ public:
+  RawBuffer() = default;
+  explicit RawBuffer(std::size_t size)
+      : data_(size == 0 ? nullptr : ::operator new(size, std::align_val_t{alignment})), size_(size) {}
+  RawBuffer(const RawBuffer& other) : RawBuffer(other.size_) {
+    if (size_ > 0) std::memcpy(data_, other.data_, size_);
+  }
+  RawBuffer(RawBuffer&& other) noexcept
+      : data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)) {}
+  RawBuffer& operator=(RawBuffer other) noexcept {
+    std::swap(data_, other.data_);
+    std::swap(size_, other.size_);
+    return *this;
+  }
+  ~RawBuffer() {
+    if (data_ != nullptr) ::operator delete(data_, std::align_val_t{alignment});
+  }
+
+  [[nodiscard]] void* data() const { return data_; }
+  [[nodiscard]] std::size_t size() const { return size_; }
+
+  static constexpr std::size_t alignment = 64;
+
+ private:
+  void* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+/// What a std::vector is for arrays of plain numbers that are made once and then written to, at a tenth of the compile
+/// time for each type of entry.
+template <class T>
+class Buffer {
+ public:
+  using value_type = T;
+  static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
+  static_assert(alignof(T) <= RawBuffer::alignment);
+
+  Buffer() = default;
+  /// Entries as T() makes them: numbers are 0.
+  explicit Buffer(std::size_t count) : Buffer(count, T()) {}
+  Buffer(std::size_t count, const T& value) : bytes_(count * sizeof(T)) {
+    for (std::size_t i = 0; i < count; ++i) ::new (static_cast<void*>(data() + i)) T(value);
+  }
+
+  /// Replaces all entries.
+  void assign(std::size_t count, const T& value) { *this = Buffer(count, value); }
+
+  [[nodiscard]] std::size_t size() const { return bytes_.size() / sizeof(T); }
+  [[nodiscard]] bool empty() const { return bytes_.size() == 0; }
+  [[nodiscard]] T* data() { return static_cast<T*>(bytes_.data()); }
+  [[nodiscard]] const T* data() const { return static_cast<const T*>(bytes_.data()); }
+  [[nodiscard]] T& operator[](std::size_t i) { return data()[i]; }
+  [[nodiscard]] const T& operator[](std::size_t i) const { return data()[i]; }
+  [[nodiscard]] T& front() { return *data(); }
+  [[nodiscard]] const T& front() const { return *data(); }
+  [[nodiscard]] T* begin() { return data(); }
+  [[nodiscard]] const T* begin() const { return data(); }
+  [[nodiscard]] T* end() { return data() + size(); }
+  [[nodiscard]] const T* end() const { return data() + size(); }
+
+ private:
+  RawBuffer bytes_;
+};
+
+}  // namespace corotet::inline v0_1::detail
