@@ -7,6 +7,15 @@
 #define COROTET_ALWAYS_INLINE inline
 #endif
 
+// A function that is seldom called: not inlined, and made small rather than fast.
+#if defined(__GNUC__)
+#define COROTET_COLD __attribute__((cold, noinline))
+#elif defined(_MSC_VER)
+#define COROTET_COLD __declspec(noinline)
+#else
+#define COROTET_COLD
+#endif
+
 // Before a loop over a few registers: at -O2, GCC 12 keeps them in memory unless the loop is unrolled.
 #if defined(__GNUC__) && !defined(__clang__)
 #define COROTET_UNROLL _Pragma("GCC unroll 8")

@@ -1,7 +1,6 @@
 // Small matrices of fixed size: what is computed with 3-vectors, 3x3 blocks and 6x6 blocks.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <concepts>
 #include <corotet/core/compiler.hpp>
@@ -74,7 +73,7 @@ struct Matrix {
   [[nodiscard]] static constexpr Matrix Ones() { return Constant(T(1)); }
   [[nodiscard]] static constexpr Matrix Identity() {
     Matrix m = Zero();
-    for (int i = 0; i < (std::min)(R, C); ++i) m(i, i) = T(1);
+    for (int i = 0; i < (R < C ? R : C); ++i) m(i, i) = T(1);
     return m;
   }
   [[nodiscard]] static constexpr Matrix UnitX() { return unit(0); }
@@ -158,7 +157,9 @@ struct Matrix {
   friend COROTET_ALWAYS_INLINE constexpr Matrix operator*(T factor, Matrix a) { return a *= factor; }
   friend COROTET_ALWAYS_INLINE constexpr Matrix operator/(Matrix a, T divisor) { return a /= divisor; }
   friend constexpr bool operator==(const Matrix& a, const Matrix& b) {
-    return std::equal(a.begin(), a.end(), b.begin());
+    for (int i = 0; i < R * C; ++i)
+      if (!(a.value_[i] == b.value_[i])) return false;
+    return true;
   }
 
   template <std::floating_point U>
@@ -267,14 +268,24 @@ struct Matrix {
   [[nodiscard]] constexpr Matrix cwiseAbs() const {
     return each([](T p, T) { return p < 0 ? -p : p; }, *this);
   }
-  [[nodiscard]] constexpr T minCoeff() const { return *std::min_element(begin(), end()); }
-  [[nodiscard]] constexpr T maxCoeff() const { return *std::max_element(begin(), end()); }
-  /// Where the largest number stands, by columns.
+  [[nodiscard]] constexpr T minCoeff() const {
+    T least = value_[0];
+    for (int i = 1; i < R * C; ++i)
+      if (value_[i] < least) least = value_[i];
+    return least;
+  }
+  [[nodiscard]] constexpr T maxCoeff() const { return value_[index_of_max()]; }
+  /// Where the largest number stands, by columns; the first of equals.
   [[nodiscard]] constexpr int index_of_max() const {
-    return static_cast<int>(std::max_element(begin(), end()) - begin());
+    int best = 0;
+    for (int i = 1; i < R * C; ++i)
+      if (value_[best] < value_[i]) best = i;
+    return best;
   }
   [[nodiscard]] bool allFinite() const {
-    return std::all_of(begin(), end(), [](T p) { return std::isfinite(p); });
+    bool finite = true;
+    for (int i = 0; i < R * C; ++i) finite = finite && std::isfinite(value_[i]);
+    return finite;
   }
   [[nodiscard]] constexpr bool isZero() const { return *this == Zero(); }
   void setZero() { *this = Zero(); }
@@ -290,8 +301,9 @@ struct Matrix {
     requires(R == 3 && C == 1)
   {
     // Across the axis that is farthest from it.
-    const int least = static_cast<int>(
-        std::min_element(begin(), end(), [](T p, T q) { return std::fabs(p) < std::fabs(q); }) - begin());
+    int least = 0;
+    for (int i = 1; i < 3; ++i)
+      if (std::abs(value_[i]) < std::abs(value_[least])) least = i;
     return cross(unit(least)).normalized();
   }
   [[nodiscard]] COROTET_ALWAYS_INLINE constexpr T determinant() const

@@ -7,6 +7,7 @@
 #include <corotet/assembly/elasticity.hpp>
 #include <corotet/assembly/mass.hpp>
 #include <corotet/core/instances.hpp>
+#include <corotet/core/message.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/revision.hpp>
 #include <corotet/core/types.hpp>
@@ -154,7 +155,7 @@ Result<SoftBody<Scalar, Element, Rotation>> SoftBody<Scalar, Element, Rotation>:
   if (Result<void> s = materials.template validate<Scalar>(at(mesh.element_count())); !s) return s.error();
   for (const double damping : {options.damping.mass, options.damping.stiffness})
     if (!std::isfinite(damping) || damping < 0)
-      return Error{ErrorCode::invalid_argument, "damping", "must be >= 0 and finite"};
+      return detail::error(ErrorCode::invalid_argument, {"damping"}, {"must be >= 0 and finite"});
   return SoftBody(std::move(mesh), materials, options);
 }
 
@@ -197,12 +198,11 @@ template <std::floating_point Scalar, ReferenceElement Element, RotationExtracto
 Result<void> SoftBody<Scalar, Element, Rotation>::check_field(const char* name,
                                                               std::span<const Vec3<Scalar>> field) const {
   if (field.size() != displacement_.size())
-    return Error{
-        ErrorCode::invalid_argument, name,
-        "there are " + std::to_string(field.size()) + " for " + std::to_string(displacement_.size()) + " vertices"};
+    return detail::error(ErrorCode::invalid_argument, {name},
+                         {"there are ", field.size(), " for ", displacement_.size(), " vertices"});
   for (std::size_t v = 0; v < field.size(); ++v)
     if (!all_finite(field[v]))
-      return Error{ErrorCode::non_finite_value, std::string(name) + " of vertex " + std::to_string(v), "is not finite"};
+      return detail::error(ErrorCode::non_finite_value, {name, " of vertex ", v}, {"is not finite"});
   return {};
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cmath>
-#include <corotet/core/number_text.hpp>
+#include <corotet/core/message.hpp>
 #include <corotet/core/result.hpp>
 #include <limits>
 #include <string>
@@ -32,8 +32,7 @@ struct Lame {
 /// invalid_argument, naming `where` and the parameter, if one lies outside its range or is not finite.
 [[nodiscard]] inline Result<void> validate(const Material& m, const std::string& where = "material") {
   const auto refuse = [&](const char* name, double value, const char* range) {
-    return Error{ErrorCode::invalid_argument, where + "." + name,
-                 std::string("must be ") + range + ", is " + number_text(value)};
+    return detail::error(ErrorCode::invalid_argument, {where, ".", name}, {"must be ", range, ", is ", value});
   };
   if (!std::isfinite(m.young) || m.young <= 0) return refuse("young", m.young, "positive and finite (Pa)");
   if (!std::isfinite(m.poisson) || m.poisson <= -1 || m.poisson >= 0.5)
@@ -58,22 +57,23 @@ class Materials {
   template <std::floating_point Scalar>
   [[nodiscard]] Result<void> validate(std::size_t elements) const {
     if (materials_.size() != 1 && materials_.size() != elements)
-      return Error{ErrorCode::invalid_argument, "materials",
-                   "there are " + std::to_string(materials_.size()) + " for " + std::to_string(elements) +
-                       " elements; give one for all, or one for each"};
+      return detail::error(
+          ErrorCode::invalid_argument, {"materials"},
+          {"there are ", materials_.size(), " for ", elements, " elements; give one for all, or one for each"});
     for (std::size_t e = 0; e < materials_.size(); ++e) {
-      const std::string where = materials_.size() == 1 ? "material" : "material of element " + std::to_string(e);
+      const std::string where =
+          materials_.size() == 1 ? std::string("material") : detail::message({"material of element ", e});
       if (Result<void> s = corotet::validate(materials_[e], where); !s) return s;
       const auto [lambda, mu] = lame(materials_[e]);
       for (const double parameter : {lambda, mu, materials_[e].density})
         if (std::fabs(parameter) > static_cast<double>((std::numeric_limits<Scalar>::max)()))
-          return Error{ErrorCode::invalid_argument, where, number_text(parameter) + " is too large for this precision"};
+          return detail::error(ErrorCode::invalid_argument, {where}, {parameter, " is too large for this precision"});
       // Below the normal numbers digits are lost, and then all: a body without mass or stiffness.
       for (const auto& [name, parameter] :
            {std::pair{".young", materials_[e].young}, std::pair{".density", materials_[e].density}})
         if (static_cast<Scalar>(parameter) < (std::numeric_limits<Scalar>::min)())
-          return Error{ErrorCode::invalid_argument, where + name,
-                       number_text(parameter) + " is too small for this precision"};
+          return detail::error(ErrorCode::invalid_argument, {where, name},
+                               {parameter, " is too small for this precision"});
     }
     return {};
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <corotet/core/message.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/mesh/mesh_data.hpp>
@@ -33,13 +34,13 @@ struct BlockOptions {
 [[nodiscard]] inline Result<MeshData> make_block(const BlockOptions& options) {
   const auto [nx, ny, nz] = options.cells;
   if (nx < 1 || ny < 1 || nz < 1)
-    return Error{ErrorCode::invalid_argument, "cells", "must be at least 1 along each axis"};
+    return detail::error(ErrorCode::invalid_argument, {"cells"}, {"must be at least 1 along each axis"});
   if (!(options.size.minCoeff() > 0) || !options.size.allFinite() || !options.corner.allFinite())
-    return Error{ErrorCode::invalid_argument, "size", "must be positive and finite along each axis"};
+    return detail::error(ErrorCode::invalid_argument, {"size"}, {"must be positive and finite along each axis"});
   if (options.order != 1 && options.order != 2)
-    return Error{ErrorCode::invalid_argument, "order", "must be 1 or 2, is " + std::to_string(options.order)};
+    return detail::error(ErrorCode::invalid_argument, {"order"}, {"must be 1 or 2, is ", options.order});
   if ((double{1} + nx) * (double{1} + ny) * (double{1} + nz) > (std::numeric_limits<Index>::max)() / 240.0)
-    return Error{ErrorCode::invalid_argument, "cells", "too many for 32-bit indices"};
+    return detail::error(ErrorCode::invalid_argument, {"cells"}, {"too many for 32-bit indices"});
 
   MeshData mesh;
   const auto vertex = [&](Index i, Index j, Index k) { return i + (nx + 1) * (j + (ny + 1) * k); };

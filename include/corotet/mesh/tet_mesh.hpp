@@ -3,6 +3,7 @@
 
 #include <array>
 #include <corotet/core/instances.hpp>
+#include <corotet/core/message.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/reference_element.hpp>
@@ -85,8 +86,8 @@ Result<TetMesh<Scalar, Element>> TetMesh<Scalar, Element>::create(MeshData data,
   for (Vec3<double>& x : data.positions) {
     mesh.positions_.push_back((x - origin).template cast<Scalar>());
     if (!mesh.positions_.back().allFinite())
-      return Error{ErrorCode::non_finite_value, detail::vertex_name(size_of(mesh.positions_) - 1),
-                   "its position is not a finite number in this precision"};
+      return detail::error(ErrorCode::non_finite_value, {"vertex ", mesh.positions_.size() - 1},
+                           {"its position is not a finite number in this precision"});
     x = mesh.positions_.back().template cast<double>();  // volumes are judged on what is kept
   }
 

@@ -4,39 +4,37 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <corotet/core/number_text.hpp>
+#include <corotet/core/message.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/jacobian.hpp>
 #include <corotet/element/reference_element.hpp>
 #include <corotet/mesh/mesh_data.hpp>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
 namespace corotet::inline v0_1::detail {
 
-inline std::string vertex_name(Index v) { return "vertex " + std::to_string(v); }
-inline std::string element_name(Index e) { return "element " + std::to_string(e); }
 
 /// Lengths, index range, repeated nodes, vertices without an element.
 inline Result<void> check_arrays(const MeshData& data, int nodes_per_element) {
-  if (data.positions.empty()) return Error{ErrorCode::empty_mesh, "mesh", "it has no vertices"};
-  if (data.connectivity.empty()) return Error{ErrorCode::empty_mesh, "mesh", "it has no elements"};
+  if (data.positions.empty()) return error(ErrorCode::empty_mesh, {"mesh"}, {"it has no vertices"});
+  if (data.connectivity.empty()) return error(ErrorCode::empty_mesh, {"mesh"}, {"it has no elements"});
   // A body counts 3 degrees of freedom a vertex and nodes^2 contributions an element by Index.
   constexpr std::size_t most = std::size_t{(std::numeric_limits<Index>::max)()};
   if (data.positions.size() > most / 3 || data.connectivity.size() > most / at((std::max)(nodes_per_element, 1)))
-    return Error{ErrorCode::unsupported, "mesh", "it is too large for 32-bit indices"};
+    return error(ErrorCode::unsupported, {"mesh"}, {"it is too large for 32-bit indices"});
   if (data.nodes_per_element != nodes_per_element)
-    return Error{ErrorCode::invalid_argument, "mesh",
-                 "its elements have " + std::to_string(data.nodes_per_element) + " nodes, this mesh type has " +
-                     std::to_string(nodes_per_element) + " (raise_order and lower_order convert)"};
+    return error(ErrorCode::invalid_argument, {"mesh"},
+                 {"its elements have ", data.nodes_per_element, " nodes, this mesh type has ", nodes_per_element,
+                  " (raise_order and lower_order convert)"});
   if (data.connectivity.size() % at(nodes_per_element) != 0)
-    return Error{ErrorCode::invalid_argument, "mesh",
-                 "connectivity has " + std::to_string(data.connectivity.size()) + " entries, not a multiple of " +
-                     std::to_string(nodes_per_element)};
+    return error(ErrorCode::invalid_argument, {"mesh"},
+                 {"connectivity has ", data.connectivity.size(), " entries, not a multiple of ", nodes_per_element});
   if (!data.regions.empty() && size_of(data.regions) != data.element_count())
-    return Error{ErrorCode::invalid_argument, "mesh", "regions must hold one tag an element, or be empty"};
+    return error(ErrorCode::invalid_argument, {"mesh"}, {"regions must hold one tag an element, or be empty"});
 
   std::vector<bool> referenced(data.positions.size(), false);
   for (Index e = 0; e < data.element_count(); ++e) {
@@ -44,18 +42,17 @@ inline Result<void> check_arrays(const MeshData& data, int nodes_per_element) {
     for (int a = 0; a < nodes_per_element; ++a) {
       const Index v = nodes[a];
       if (v < 0 || v >= data.vertex_count())
-        return Error{ErrorCode::index_out_of_range, element_name(e),
-                     "it names vertex " + std::to_string(v) + ", but the mesh has vertices 0 to " +
-                         std::to_string(data.vertex_count() - 1)};
+        return error(ErrorCode::index_out_of_range, {"element ", e},
+                     {"it names vertex ", v, ", but the mesh has vertices 0 to ", data.vertex_count() - 1});
       if (std::find(nodes, nodes + a, v) != nodes + a)
-        return Error{ErrorCode::duplicate_node, element_name(e), "it names vertex " + std::to_string(v) + " twice"};
+        return error(ErrorCode::duplicate_node, {"element ", e}, {"it names vertex ", v, " twice"});
       referenced[at(v)] = true;
     }
   }
   const auto lonely = std::find(referenced.begin(), referenced.end(), false);
   if (lonely != referenced.end())
-    return Error{ErrorCode::unreferenced_vertex, vertex_name(static_cast<Index>(lonely - referenced.begin())),
-                 "it belongs to no element, so it would have no mass (remove_unreferenced drops such vertices)"};
+    return error(ErrorCode::unreferenced_vertex, {"vertex ", lonely - referenced.begin()},
+                 {"it belongs to no element, so it would have no mass (remove_unreferenced drops such vertices)"});
   return {};
 }
 
@@ -82,7 +79,7 @@ Result<void> check_volume(const std::vector<Vec3<double>>& x, const std::array<I
   // Rounding moves each vertex by epsilon times its distance from the origin, and with it the determinant.
   double largest = 0;
   for (const Index v : nodes) largest = (std::max)(largest, x[at(v)].cwiseAbs().maxCoeff());
-  const auto check_points = [&](const auto& points) -> Result<void> {
+  const auto check_points = [&](std::span<const QuadraturePoint> points) -> Result<void> {
     for (const QuadraturePoint& point : points) {
       const Mat3<double> to_space =
           jacobian(Element::gradient(point.xi), [&](std::size_t a) { return x[at(nodes[a])]; });
@@ -90,10 +87,11 @@ Result<void> check_volume(const std::vector<Vec3<double>>& x, const std::array<I
       const double size = (std::max)({to_space.col(0).norm(), to_space.col(1).norm(), to_space.col(2).norm()});
       const double rounding = 4 * epsilon * size * size * (std::max)(size, largest);
       if (!(det > rounding) || !std::isfinite(det)) {
-        const bool curved = Element::order > 1 && corner_volume(x, nodes.data()) * 6 > rounding;
-        return Error{ErrorCode::degenerate_element, element_name(e),
-                     curved ? "its edges are curved so far that it folds over itself"
-                            : "its volume is zero to rounding (" + number_text(det / 6) + " m^3)"};
+        if (Element::order > 1 && corner_volume(x, nodes.data()) * 6 > rounding)
+          return error(ErrorCode::degenerate_element, {"element ", e},
+                       {"its edges are curved so far that it folds over itself"});
+        return error(ErrorCode::degenerate_element, {"element ", e},
+                     {"its volume is zero to rounding (", det / 6, " m^3)"});
       }
     }
     return {};

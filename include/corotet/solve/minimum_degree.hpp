@@ -38,6 +38,9 @@ class MinimumDegree {
         weight_(at(count_), 1),
         twin_(at(count_), none),
         last_(at(count_)),
+        bucket_(at(count_), none),
+        bucket_step_(at(count_), -1),
+        next_in_bucket_(at(count_), none),
         degree_(at(count_), 0),
         first_(at(count_ + 1), none),
         next_(at(count_), none),
@@ -68,7 +71,7 @@ class MinimumDegree {
       }
       count_outside(boundary, step);
       for (const Index i : boundary) update(i, pivot, step, left);
-      merge_equals(boundary);
+      merge_equals(boundary, step);
       std::erase_if(boundary, [&](Index i) { return weight_[at(i)] == 0; });
       for (const Index i : boundary) {
         insert(i, (std::min)(degree_[at(i)], left - weight_[at(i)]));
@@ -133,33 +136,33 @@ class MinimumDegree {
   }
 
   /// Variables on the boundary that are coupled to the same variables and elements become one, which has the weight of
-  /// all: they would be eliminated one after the other.
-  void merge_equals(const std::vector<Index>& boundary) {
-    keys_.clear();
+  /// all: they would be eliminated one after the other. Only those whose neighbours have the same sum are compared.
+  void merge_equals(const std::vector<Index>& boundary, Index step) {
     for (const Index i : boundary) {
       std::sort(neighbours_[at(i)].begin(), neighbours_[at(i)].end());
       std::sort(elements_[at(i)].begin(), elements_[at(i)].end());
-      std::int64_t key = 0;
-      for (const Index j : neighbours_[at(i)]) key += j;
-      for (const Index e : elements_[at(i)]) key += e;
-      keys_.emplace_back(key, i);
+      std::int64_t sum = 0;
+      for (const Index j : neighbours_[at(i)]) sum += j;
+      for (const Index e : elements_[at(i)]) sum += e;
+      const auto bucket = static_cast<std::size_t>(sum % count_);
+      if (std::exchange(bucket_step_[bucket], step) != step) bucket_[bucket] = none;
+      for (Index j = bucket_[bucket]; j != none; j = next_in_bucket_[at(j)])
+        if (elements_[at(i)] == elements_[at(j)] && neighbours_[at(i)] == neighbours_[at(j)]) {
+          merge(i, j);
+          break;
+        }
+      if (weight_[at(i)] > 0) next_in_bucket_[at(i)] = std::exchange(bucket_[bucket], i);
     }
-    std::sort(keys_.begin(), keys_.end());
-    for (std::size_t a = 0; a < keys_.size(); ++a) {
-      const Index i = keys_[a].second;
-      if (weight_[at(i)] == 0) continue;
-      for (std::size_t b = a + 1; b < keys_.size() && keys_[b].first == keys_[a].first; ++b) {
-        const Index j = keys_[b].second;
-        if (weight_[at(j)] == 0 || elements_[at(i)] != elements_[at(j)] || neighbours_[at(i)] != neighbours_[at(j)])
-          continue;
-        degree_[at(i)] -= weight_[at(j)];  // the degree counts others only
-        weight_[at(i)] += std::exchange(weight_[at(j)], 0);
-        twin_[at(last_[at(i)])] = j;
-        last_[at(i)] = last_[at(j)];
-        std::vector<Index>().swap(neighbours_[at(j)]);
-        std::vector<Index>().swap(elements_[at(j)]);
-      }
-    }
+  }
+
+  /// i becomes part of j.
+  void merge(Index i, Index j) {
+    degree_[at(j)] -= weight_[at(i)];  // the degree counts others only
+    weight_[at(j)] += std::exchange(weight_[at(i)], 0);
+    twin_[at(last_[at(j)])] = i;
+    last_[at(j)] = last_[at(i)];
+    std::vector<Index>().swap(neighbours_[at(i)]);
+    std::vector<Index>().swap(elements_[at(i)]);
   }
 
   /// A variable and those that were merged into it.
@@ -196,8 +199,8 @@ class MinimumDegree {
   std::vector<Index> size_;         // of an element: variables on its boundary, merged ones counted
   std::vector<Index> weight_;       // of a variable: how many it stands for, 0 once it is merged into another
   std::vector<Index> twin_, last_;  // lists of merged variables
+  std::vector<Index> bucket_, bucket_step_, next_in_bucket_;  // see merge_equals
   std::vector<Index> degree_, first_, next_, previous_;
-  std::vector<std::pair<std::int64_t, Index>> keys_;
 };
 
 }  // namespace corotet::inline v0_1

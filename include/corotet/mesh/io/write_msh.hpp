@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <corotet/core/message.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/mesh/io/file_bytes.hpp>
@@ -201,7 +202,7 @@ class MshWriter {
   if (!arrays && arrays.error().code != ErrorCode::unreferenced_vertex) return arrays.error();
   for (Index v = 0; v < mesh.vertex_count(); ++v)
     if (!mesh.positions[at(v)].allFinite())
-      return Error{ErrorCode::non_finite_value, detail::vertex_name(v), "its position is not finite"};
+      return detail::error(ErrorCode::non_finite_value, {"vertex ", v}, {"its position is not finite"});
   return detail::MshWriter(mesh, options).take();
 }
 
