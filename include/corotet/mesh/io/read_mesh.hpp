@@ -1,6 +1,7 @@
 // Reads a tetrahedral mesh in whatever known format the file has.
 #pragma once
 
+#include <corotet/core/file_path.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/mesh/io/file_bytes.hpp>
 #include <corotet/mesh/io/read_medit.hpp>
@@ -10,7 +11,6 @@
 #include <corotet/mesh/io/read_vtk.hpp>
 #include <corotet/mesh/io/text_scanner.hpp>
 #include <corotet/mesh/mesh_data.hpp>
-#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -35,10 +35,10 @@ enum class MeshFormat { unknown, msh, medit, medit_binary, vtk, vega };
 /// The mesh in the file at `path`: gmsh .msh, Medit .mesh, legacy .vtk or Vega .veg, told by their content, or TetGen's
 /// .node and .ele, told by their extension. Errors name the file, the line or byte offset, and the reason;
 /// `unknown_format` if no reader recognises the content.
-[[nodiscard]] inline Result<MeshData> read_mesh(const std::filesystem::path& path) {
+[[nodiscard]] inline Result<MeshData> read_mesh(const FilePath& path) {
   const Result<std::string> bytes = read_file(path);
   if (!bytes) return bytes.error();
-  const std::string name = path.string();
+  const std::string name = path.text();
   switch (detect_mesh_format(*bytes)) {
     case MeshFormat::msh:
       return read_msh(*bytes, name);

@@ -1,6 +1,7 @@
 // Reads a triangle surface in whatever known format the file has.
 #pragma once
 
+#include <corotet/core/file_path.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/mesh/io/file_bytes.hpp>
 #include <corotet/mesh/io/read_obj.hpp>
@@ -9,7 +10,6 @@
 #include <corotet/mesh/io/read_stl.hpp>
 #include <corotet/mesh/io/text_scanner.hpp>
 #include <corotet/mesh/surface_mesh.hpp>
-#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -31,10 +31,10 @@ enum class SurfaceFormat { unknown, obj, stl, ply, off };
 /// The surface in the file at `path`: .obj, .stl, .ply or .off, told by its content. A binary .stl whose length
 /// contradicts its header is told by its extension. Errors name the file, the line or byte offset, and the reason;
 /// `unknown_format` if no reader recognises the content.
-[[nodiscard]] inline Result<SurfaceMesh> read_surface(const std::filesystem::path& path) {
+[[nodiscard]] inline Result<SurfaceMesh> read_surface(const FilePath& path) {
   const Result<std::string> bytes = read_file(path);
   if (!bytes) return bytes.error();
-  const std::string name = path.string();
+  const std::string name = path.text();
   switch (detect_surface_format(*bytes)) {
     case SurfaceFormat::obj:
       return read_obj(*bytes, name);

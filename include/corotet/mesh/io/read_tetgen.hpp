@@ -4,12 +4,12 @@
 #include <array>
 #include <cmath>
 #include <corotet/core/exactly.hpp>
+#include <corotet/core/file_path.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/mesh/io/file_bytes.hpp>
 #include <corotet/mesh/io/tet_sink.hpp>
 #include <corotet/mesh/io/text_scanner.hpp>
 #include <corotet/mesh/mesh_data.hpp>
-#include <filesystem>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -84,15 +84,13 @@ inline void read_tetgen_elements(TextScanner& in, TetSink& sink, VertexRange ran
 }
 
 /// The same from files: given x.node or x.ele, reads both.
-[[nodiscard]] inline Result<MeshData> read_tetgen(const std::filesystem::path& path) {
-  std::filesystem::path node = path, ele = path;
-  node.replace_extension(".node");
-  ele.replace_extension(".ele");
+[[nodiscard]] inline Result<MeshData> read_tetgen(const FilePath& path) {
+  const FilePath node = path.with_extension(".node"), ele = path.with_extension(".ele");
   const Result<std::string> node_text = read_file(node);
   if (!node_text) return node_text.error();
   const Result<std::string> ele_text = read_file(ele);
   if (!ele_text) return ele_text.error();
-  return read_tetgen(*node_text, *ele_text, node.string(), ele.string());
+  return read_tetgen(*node_text, *ele_text, node.text(), ele.text());
 }
 
 }  // namespace corotet::inline v0_1

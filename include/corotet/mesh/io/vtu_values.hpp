@@ -9,11 +9,11 @@
 #include <corotet/mesh/surface_mesh.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
 #include <cstdint>
-#include <ranges>
+#include <iterator>
 #include <span>
 #include <string_view>
 #include <type_traits>
-#include <variant>
+#include <utility>
 
 namespace corotet::inline v0_1 {
 namespace detail {
@@ -23,6 +23,14 @@ inline constexpr bool is_vtu_scalar = std::same_as<T, float> || std::same_as<T, 
 
 template <class T>
 inline constexpr bool is_vtu_vector = std::same_as<T, Vec3<float>> || std::same_as<T, Vec3<double>>;
+
+template <class Range>
+using VtuEntry = std::remove_cvref_t<decltype(*std::data(std::declval<const Range&>()))>;
+template <class Range>
+concept VtuRange = requires(const Range& range) {
+  { std::size(range) } -> std::convertible_to<std::size_t>;
+  requires is_vtu_scalar<VtuEntry<Range>> || is_vtu_vector<VtuEntry<Range>>;
+};
 
 template <class T>
 constexpr std::string_view vtk_type_name() {
@@ -45,33 +53,30 @@ class VtuValues {
  public:
   VtuValues() = default;
 
-  template <std::ranges::contiguous_range Range>
-    requires(detail::is_vtu_scalar<std::ranges::range_value_t<Range>> ||
-             detail::is_vtu_vector<std::ranges::range_value_t<Range>>)
+  template <detail::VtuRange Range>
   VtuValues(const Range& range) {  // NOLINT(google-explicit-constructor): arrays are given as they are
-    using Value = std::ranges::range_value_t<Range>;
+    using Value = detail::VtuEntry<Range>;
+    size_ = std::size(range);
     if constexpr (detail::is_vtu_scalar<Value>) {
-      values_ = std::span<const Value>(std::ranges::data(range), std::ranges::size(range));
+      numbers_ = std::data(range);
+      kind_ = kind_of<Value>;
     } else {
-      using Scalar = typename Value::Scalar;
       components_ = 3;
-      const std::size_t size = std::ranges::size(range);
-      values_ = std::span<const Scalar>(size == 0 ? nullptr : std::ranges::data(range)->data(), 3 * size);
+      numbers_ = size_ == 0 ? nullptr : std::data(range)->data();
+      kind_ = kind_of<typename Value::Scalar>;
     }
   }
 
   /// Calls `visitor` with the numbers as a span of float, double or Index.
   template <class Visitor>
   auto visit(Visitor&& visitor) const {
-    if (const auto* doubles = std::get_if<1>(&values_)) return visitor(*doubles);
-    if (const auto* integers = std::get_if<2>(&values_)) return visitor(*integers);
-    return visitor(*std::get_if<0>(&values_));
+    if (kind_ == kind_of<double>) return visitor(numbers<double>());
+    if (kind_ == kind_of<Index>) return visitor(numbers<Index>());
+    return visitor(numbers<float>());
   }
 
   /// How many scalars or vectors.
-  [[nodiscard]] std::size_t size() const {
-    return visit([&](auto values) { return values.size() / at(components_); });
-  }
+  [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] int components() const { return components_; }
 
   /// The first entry that holds NaN or infinity; `size()` if none does.
@@ -87,8 +92,21 @@ class VtuValues {
   }
 
  private:
-  std::variant<std::span<const float>, std::span<const double>, std::span<const Index>> values_;
+  enum class Kind : std::uint8_t { f32, f64, i32 };
+  template <class T>
+  static constexpr Kind kind_of = std::same_as<T, float>    ? Kind::f32
+                                  : std::same_as<T, double> ? Kind::f64
+                                                            : Kind::i32;
+
+  template <class T>
+  [[nodiscard]] std::span<const T> numbers() const {
+    return {static_cast<const T*>(numbers_), size_ * at(components_)};
+  }
+
+  const void* numbers_ = nullptr;
+  std::size_t size_ = 0;
   int components_ = 1;
+  Kind kind_ = Kind::f32;
 };
 
 /// A view of cells of one kind.

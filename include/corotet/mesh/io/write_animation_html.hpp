@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <corotet/core/file_path.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/mesh/animation.hpp>
@@ -17,7 +18,6 @@
 #include <corotet/mesh/io/text_writer.hpp>
 #include <corotet/mesh/io/xml_text.hpp>
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -120,7 +120,7 @@ inline std::string animation_info(const Animation& animation, const AnimationBox
 }
 
 /// Writes an .html file. Errors: those of `format_animation_html`, and file_unreadable.
-[[nodiscard]] inline Result<void> write_animation_html(const std::filesystem::path& path, const Animation& animation) {
+[[nodiscard]] inline Result<void> write_animation_html(const FilePath& path, const Animation& animation) {
   const Result<std::string> text = format_animation_html(animation);
   return text ? write_file(path, *text) : Result<void>(text.error());
 }

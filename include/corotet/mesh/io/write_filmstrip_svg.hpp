@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <corotet/core/file_path.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/mesh/animation.hpp>
@@ -18,7 +19,6 @@
 #include <corotet/mesh/io/xml_text.hpp>
 #include <corotet/mesh/surface_mesh.hpp>
 #include <corotet/mesh/vertex_normals.hpp>
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -208,7 +208,7 @@ inline Result<std::vector<Index>> filmstrip_frames(const Animation& animation, c
 }
 
 /// Writes an .svg file. Errors: those of `format_filmstrip_svg`, and file_unreadable.
-[[nodiscard]] inline Result<void> write_filmstrip_svg(const std::filesystem::path& path, const Animation& animation,
+[[nodiscard]] inline Result<void> write_filmstrip_svg(const FilePath& path, const Animation& animation,
                                                       const FilmstripOptions& options = {}) {
   const Result<std::string> text = format_filmstrip_svg(animation, options);
   return text ? write_file(path, *text) : Result<void>(text.error());

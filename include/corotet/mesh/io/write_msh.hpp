@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <corotet/core/file_path.hpp>
 #include <corotet/core/message.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
@@ -12,7 +13,6 @@
 #include <corotet/mesh/mesh_data.hpp>
 #include <corotet/mesh/validate.hpp>
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -207,8 +207,7 @@ class MshWriter {
 }
 
 /// Writes that content to a file.
-[[nodiscard]] inline Result<void> write_msh(const std::filesystem::path& path, const MeshData& mesh,
-                                            MshOptions options = {}) {
+[[nodiscard]] inline Result<void> write_msh(const FilePath& path, const MeshData& mesh, MshOptions options = {}) {
   const Result<std::string> content = format_msh(mesh, options);
   if (!content) return content.error();
   return write_file(path, *content);

@@ -1,13 +1,13 @@
 // Wavefront .obj: a surface as text that every graphics program reads.
 #pragma once
 
+#include <corotet/core/file_path.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/mesh/io/file_bytes.hpp>
 #include <corotet/mesh/io/text_writer.hpp>
 #include <corotet/mesh/surface_mesh.hpp>
 #include <cstdint>
-#include <filesystem>
 #include <string>
 
 namespace corotet::inline v0_1 {
@@ -53,7 +53,7 @@ namespace corotet::inline v0_1 {
 }
 
 /// Writes an .obj file. Errors: those of `format_obj`, and file_unreadable.
-[[nodiscard]] inline Result<void> write_obj(const std::filesystem::path& path, const SurfaceMesh& surface) {
+[[nodiscard]] inline Result<void> write_obj(const FilePath& path, const SurfaceMesh& surface) {
   const Result<std::string> text = format_obj(surface);
   return text ? write_file(path, *text) : Result<void>(text.error());
 }

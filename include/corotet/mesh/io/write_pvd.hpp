@@ -7,8 +7,6 @@
 #include <corotet/mesh/io/file_bytes.hpp>
 #include <corotet/mesh/io/text_writer.hpp>
 #include <corotet/mesh/io/xml_text.hpp>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -20,7 +18,7 @@ namespace corotet::inline v0_1 {
 class PvdWriter {
  public:
   /// Starts an empty series, replacing a file that is there. Errors: file_unreadable.
-  [[nodiscard]] static Result<PvdWriter> create(std::filesystem::path path) {
+  [[nodiscard]] static Result<PvdWriter> create(FilePath path) {
     if (Result<void> status = write_file(path, std::string(head) + std::string(tail)); !status) return status.error();
     return PvdWriter(std::move(path));
   }
@@ -38,13 +36,11 @@ class PvdWriter {
     text << "    <DataSet timestep=\"" << time << "\" part=\"0\" file=\"" << *name << "\"/>\n";
     const std::string entry = text.take();
     const std::string bytes = entry + std::string(tail);
-    std::fstream stream(path_, std::ios::binary | std::ios::in | std::ios::out);
-    if (!stream) return Error{ErrorCode::file_unreadable, path_.string(), "it cannot be opened for writing"};
-    stream.seekp(end_of_entries_);
-    stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    stream.close();
-    if (!stream) return Error{ErrorCode::file_unreadable, path_.string(), "writing failed"};
-    end_of_entries_ += static_cast<std::streamoff>(entry.size());
+    detail::File stream = detail::open_file(path_, "r+b");
+    if (!stream || std::fseek(stream.get(), end_of_entries_, SEEK_SET) != 0)
+      return Error{ErrorCode::file_unreadable, path_.text(), "it cannot be opened for writing"};
+    if (Result<void> written = detail::write_and_close(std::move(stream), path_, bytes); !written) return written;
+    end_of_entries_ += static_cast<long>(entry.size());
     ++frame_count_;
     return {};
   }
@@ -56,10 +52,10 @@ class PvdWriter {
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n  <Collection>\n";
   static constexpr std::string_view tail = "  </Collection>\n</VTKFile>\n";
 
-  explicit PvdWriter(std::filesystem::path path) : path_(std::move(path)) {}
+  explicit PvdWriter(FilePath path) : path_(std::move(path)) {}
 
-  std::filesystem::path path_;
-  std::streamoff end_of_entries_ = static_cast<std::streamoff>(head.size());
+  FilePath path_;
+  long end_of_entries_ = static_cast<long>(head.size());
   Index frame_count_ = 0;
 };
 

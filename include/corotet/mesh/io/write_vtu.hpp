@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <corotet/core/file_path.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/mesh/io/base64.hpp>
@@ -14,7 +15,6 @@
 #include <corotet/mesh/io/vtu_values.hpp>
 #include <corotet/mesh/io/xml_text.hpp>
 #include <cstdint>
-#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
@@ -196,8 +196,7 @@ inline Result<void> check_vtu_cells(const VtuCells& cells, std::size_t point_cou
 }
 
 /// Writes a .vtu file. Errors: those of `format_vtu`, and file_unreadable.
-[[nodiscard]] inline Result<void> write_vtu(const std::filesystem::path& path, const VtuGrid& grid,
-                                            VtuOptions options = {}) {
+[[nodiscard]] inline Result<void> write_vtu(const FilePath& path, const VtuGrid& grid, VtuOptions options = {}) {
   const Result<std::string> text = format_vtu(grid, options);
   return text ? write_file(path, *text) : Result<void>(text.error());
 }
