@@ -1,11 +1,6 @@
 # For our own programs, tests, examples and benchmarks only: nothing here reaches a user of the library.
 option(COROTET_WARNINGS_AS_ERRORS "Turn compiler warnings in our own code into errors" OFF)
 
-# Fetched into another project, our programs are built with that project's settings; alone, without asserts by default.
-if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
-  set(CMAKE_BUILD_TYPE Release CACHE STRING "Release, Debug, RelWithDebInfo or MinSizeRel" FORCE)
-endif()
-
 add_library(corotet_warnings INTERFACE)
 if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
   target_compile_options(corotet_warnings INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow

@@ -1,8 +1,15 @@
-# The CMake package: headers, corotet::corotet, and the recipes for the opt-in components.
+# The CMake package: headers, corotet::corotet, corotet::compiled, and the recipes for the opt-in components.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-set(package_dir ${CMAKE_INSTALL_DATADIR}/cmake/corotet)  # share/: nothing in it depends on the machine
+if(TARGET corotet_compiled)
+  set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/corotet)
+  set(arch_independent "")
+  install(TARGETS corotet_compiled EXPORT corotet-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+else()
+  set(package_dir ${CMAKE_INSTALL_DATADIR}/cmake/corotet)  # share/: nothing in it depends on the machine
+  set(arch_independent ARCH_INDEPENDENT)
+endif()
 
 # An absolute CMAKE_INSTALL_INCLUDEDIR is allowed, so the path must not be put behind the prefix here.
 target_include_directories(corotet INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
@@ -20,7 +27,7 @@ else()
   set(compatibility SameMajorVersion)
 endif()
 write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/corotet-config-version.cmake
-                                 COMPATIBILITY ${compatibility} ARCH_INDEPENDENT)
+                                 COMPATIBILITY ${compatibility} ${arch_independent})
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/corotet-config.cmake
               ${CMAKE_CURRENT_BINARY_DIR}/corotet-config-version.cmake
               cmake/corotet-dependencies.cmake

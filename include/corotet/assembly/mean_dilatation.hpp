@@ -157,17 +157,15 @@ class MeanDilatation {
   };
 
   void find_local_vertices(const TetMesh<Scalar, Element>& mesh) {
-    local_.reserve(patches_.element.size());
+    local_ = detail::Buffer<std::array<std::uint8_t, Element::nodes>>(patches_.element.size());
     for (Index p = 0; p < patches_.count(); ++p) {
       const auto& [start, vertex] = patches_.vertices;
       const auto first = vertex.begin() + start[at(p)], last = vertex.begin() + start[at(p) + 1];
-      for (Index k = patches_.start[at(p)]; k < patches_.start[at(p) + 1]; ++k) {
-        local_.emplace_back();
+      for (Index k = patches_.start[at(p)]; k < patches_.start[at(p) + 1]; ++k)
         for (std::size_t a = 0; a < Element::nodes; ++a) {
           const Index v = mesh.element(patches_.element[at(k)])[a];
-          local_.back()[a] = static_cast<std::uint8_t>(std::lower_bound(first, last, v) - first);
+          local_[at(k)][a] = static_cast<std::uint8_t>(std::lower_bound(first, last, v) - first);
         }
-      }
     }
   }
 

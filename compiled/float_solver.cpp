@@ -1,0 +1,2 @@
+#define COROTET_COMPILING_SOLVER float
+#include "everything.hpp"
