@@ -1,10 +1,14 @@
 // A surface of 47,000 triangles moves with 50 quadratic tetrahedra: a helical gear of rubber, held at one end, falls.
-// Writes DIR/surface.pvd (what is drawn) and DIR/body.pvd (the tetrahedra), with a .vtu file for each frame.
+// Writes DIR/beam.html, which any browser plays, and DIR/beam.svg, a picture of four of its frames; for ParaView,
+// DIR/surface.pvd (what is drawn) and DIR/body.pvd (the tetrahedra), with a .vtu file for each frame.
 //
 //   embedded_beam [DIR, default "."] [frames, default 60]
 #include <cmath>
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <corotet/embed/embedded_surface.hpp>
+#include <corotet/mesh/element_lines.hpp>
+#include <corotet/mesh/io/write_animation_html.hpp>
+#include <corotet/mesh/io/write_filmstrip_svg.hpp>
 #include <corotet/mesh/io/write_pvd.hpp>
 #include <corotet/mesh/io/write_vtu.hpp>
 #include <corotet/mesh/make_block.hpp>
@@ -60,6 +64,12 @@ Result<TetMesh<float, Tet10>> make_cage() {
   return TetMesh<float, Tet10>::create(*block);
 }
 
+Field<double> in_double(const Field<float>& field) {
+  Field<double> result;
+  for (const Vec3<float>& x : field) result.emplace_back(x.x(), x.y(), x.z());
+  return result;
+}
+
 bool run(const std::string& folder, int frames) {
   const auto complain = [](const Error& error) { return std::fprintf(stderr, "%s\n", error.message().c_str()), false; };
   const auto cage = make_cage();
@@ -95,6 +105,15 @@ bool run(const std::string& folder, int frames) {
 
   constexpr float h = 1.0f / 120;
   constexpr int steps_per_frame = 2;
+  constexpr int frames_per_picture = 2;  // of beam.html, which interpolates
+  Animation animation{
+      .title = "A helical gear of rubber, held at one end, falls",
+      .caption = std::to_string(gear.triangles.size()) + " triangles carried by " +
+                 std::to_string(cage->element_count()) + " quadratic tetrahedra",
+      .frame_seconds = double(frames_per_picture) * steps_per_frame * h,
+      .triangles = gear.triangles,
+      .lines = element_lines(*cage),
+  };
   ImplicitEuler euler(*body);
   const Index tip = cage->nearest_vertex({length, 0, 0});
   Field<float> positions(vertices.size()), normals(vertices.size()), nodes(at(body->vertex_count()));
@@ -109,6 +128,10 @@ bool run(const std::string& folder, int frames) {
       normals[v] = vertices[v].normal;
     }
     for (Index v = 0; v < body->vertex_count(); ++v) nodes[at(v)] = body->position(v);
+    if (frame % frames_per_picture == 0) {
+      animation.surface_frames.push_back(in_double(positions));
+      animation.line_frames.push_back(in_double(nodes));
+    }
     const std::string number = std::to_string(1000 + frame).substr(1) + ".vtu";
     const double time = double(frame) * steps_per_frame * h;
     for (const Result<void>& s :
@@ -122,6 +145,14 @@ bool run(const std::string& folder, int frames) {
                   nodes[at(tip)].z());
   }
   std::printf("%d frames in %s: open surface.pvd and body.pvd with ParaView\n", frames + 1, folder.c_str());
+
+  const std::string page = folder + "/beam.html", picture = folder + "/beam.svg";
+  const Index last = size_of(animation.surface_frames) - 1;  // of the pictures; it has swung down by half of them
+  for (const Result<void>& s : {write_animation_html(page, animation),
+                          write_filmstrip_svg(picture, animation, {.frames = {0, last / 6, last / 3, last / 2}})})
+    if (!s) return complain(s.error());
+  std::printf("To see it move, open %s in a browser; %s is a picture of four of its frames\n", page.c_str(),
+              picture.c_str());
   return true;
 }
 

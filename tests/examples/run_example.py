@@ -89,6 +89,11 @@ def embedded_beam(program, folder):
     for series in ("surface", "body"):
         files = re.findall(r'file="([^"]+)"', (Path(folder) / f"{series}.pvd").read_text())
         expect(len(files) == 16 and all((Path(folder) / f).is_file() for f in files), f"16 frames of {series}")
+    page, picture = ((Path(folder) / name).read_text(encoding="utf-8") for name in ("beam.html", "beam.svg"))
+    expect(page.startswith("<!DOCTYPE html>") and page.endswith("</html>\n") and len(page) > 100_000, "a page that plays")
+    expect(picture.startswith("<svg") and picture.endswith("</svg>\n"), "a picture")
+    expect(10_000 < len(picture) < 1_500_000 and picture.count(" s</text>") == 4, "four frames in the picture")
+    expect(all(f"{Path(folder) / name}" in text for name in ("beam.html", "beam.svg")), "their names to be printed")
 
 
 def natural_frequencies(program, _):

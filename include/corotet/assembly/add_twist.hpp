@@ -37,9 +37,9 @@ void add_symmetric(BlockMatrix<Scalar>& matrix, Index slot, Index mirror, const 
 
 /// matrix += factor * (the twist modes of the evaluated state, N/m). Keeps both triangles bitwise mirror images.
 /// Batches without any are skipped; see TwistModes::active_share for bodies without any.
-template <std::floating_point Scalar, class Law, Executor E>
+template <std::floating_point Scalar, class Law>
 void add_twist(const Law& law, const typename Law::Evaluation& state, Scalar factor, BlockMatrix<Scalar>& matrix,
-               E& executor) {
+               ExecutorRef executor) {
   constexpr std::size_t n = Law::nodes, points = Law::points;
   const BlockPattern& p = matrix.pattern();
   // Where few elements have any, it is cheaper to go through these, on one thread, than through all blocks.

@@ -48,9 +48,9 @@ void add_mean_dilatation(const BlockPattern& p, const typename Law::Evaluation& 
 }
 
 /// As `assemble`, for elements of one Lamé ratio or of several, with mean dilatation or without.
-template <bool same_ratio, bool mean_dilatation, std::floating_point Scalar, class Law, Executor E>
+template <bool same_ratio, bool mean_dilatation, std::floating_point Scalar, class Law>
 void assemble_blocks(const Law& law, const typename Law::Evaluation& state, const Mass<Scalar>& mass,
-                     Scalar mass_factor, Scalar stiffness_factor, BlockMatrix<Scalar>& matrix, E& executor) {
+                     Scalar mass_factor, Scalar stiffness_factor, BlockMatrix<Scalar>& matrix, ExecutorRef executor) {
   constexpr std::size_t n = Law::nodes;
   constexpr Index grain = 8 * BlockMatrix<Scalar>::row_grain;
   const BlockPattern& p = matrix.pattern();
@@ -77,9 +77,9 @@ void assemble_blocks(const Law& law, const typename Law::Evaluation& state, cons
 /// matrix = mass_factor * M + stiffness_factor * K', with the warped stiffness K' of the evaluated state. Both
 /// triangles are bitwise mirror images. `mass_factor` has no unit, `stiffness_factor` is in s^2 if the result is to be
 /// in kg.
-template <std::floating_point Scalar, class Law, Executor E>
+template <std::floating_point Scalar, class Law>
 void assemble(const Law& law, const typename Law::Evaluation& state, const Mass<Scalar>& mass, Scalar mass_factor,
-              Scalar stiffness_factor, BlockMatrix<Scalar>& matrix, E& executor) {
+              Scalar stiffness_factor, BlockMatrix<Scalar>& matrix, ExecutorRef executor) {
   const auto run = [&]<bool same_ratio, bool mean>() {
     detail::assemble_blocks<same_ratio, mean>(law, state, mass, mass_factor, stiffness_factor, matrix, executor);
   };

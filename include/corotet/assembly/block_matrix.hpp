@@ -85,8 +85,7 @@ class BlockMatrix {
   }
 
   /// y = A x. Both fields have `rows()` entries and do not alias.
-  template <Executor E>
-  void apply(const Field<Scalar>& x, Field<Scalar>& y, E& executor) const
+  void apply(const Field<Scalar>& x, Field<Scalar>& y, ExecutorRef executor) const
     requires(B == 3)
   {
     for_ranges(executor, rows(), row_grain, [&](Index begin, Index end) {
@@ -95,8 +94,7 @@ class BlockMatrix {
   }
 
   /// *this += factor * other, of the same pattern.
-  template <Executor E>
-  void add(Scalar factor, const BlockMatrix& other, E& executor) {
+  void add(Scalar factor, const BlockMatrix& other, ExecutorRef executor) {
     for_ranges(executor, rows(), row_grain, [&](Index begin, Index end) {
       const std::size_t first = block_size * at(pattern_->row_start[at(begin)]);
       const std::size_t last = block_size * at(pattern_->row_start[at(end)]);

@@ -81,8 +81,7 @@ class Elasticity {
   [[nodiscard]] const VertexGroups& vertex_groups() const { return mean_.patches().vertices; }
 
   /// Rotations, nodal forces and rotated gradients of every element at `displacement` (m, one a vertex).
-  template <Executor E>
-  void evaluate(const Field<Scalar>& displacement, Evaluation& out, E& executor) const {
+  void evaluate(const Field<Scalar>& displacement, Evaluation& out, ExecutorRef executor) const {
     for_ranges(executor, size_of(batches_), batch_grain, [&](Index begin, Index end) {
       Extremes extremes;
       for (Index b = begin; b < end; ++b) evaluate_batch(displacement, b, out, extremes);
@@ -240,8 +239,7 @@ class Elasticity {
   }
 
   /// The volumetric stress of a patch, and what follows from it, is known only after all of it has been evaluated.
-  template <Executor E>
-  void finish_batches(const Field<Scalar>& displacement, Evaluation& out, E& executor) const {
+  void finish_batches(const Field<Scalar>& displacement, Evaluation& out, ExecutorRef executor) const {
     for_ranges(executor, size_of(batches_), batch_grain, [&](Index begin, Index end) {
       Extremes extremes;
       for (Index b = begin; b < end; ++b) {

@@ -122,8 +122,7 @@ class MeanDilatation {
 
   /// For patches: finishes an evaluation in which the elements' volumetric stress is still theta: adds the mean part to
   /// the forces, writes g, and the volumetric stress that acts.
-  template <Executor E>
-  void finish(Evaluation& state, E& executor) const {
+  void finish(Evaluation& state, ExecutorRef executor) const {
     for_ranges(executor, patches_.count(), patch_grain, [&](Index begin, Index end) {
       for (Index p = begin; p < end; ++p) finish_patch(p, state);
     });

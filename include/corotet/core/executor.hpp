@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <concepts>
-#include <corotet/core/compiler.hpp>
 #include <corotet/core/types.hpp>
+#include <memory>
+#include <type_traits>
 
 namespace corotet {
 
@@ -22,27 +23,69 @@ struct SerialExecutor {
   }
 };
 
+/// Refers to a callable task(i), which must outlive it.
+class TaskRef {
+ public:
+  template <std::invocable<Index> Task>
+    requires(!std::same_as<std::remove_cvref_t<Task>, TaskRef>)
+  TaskRef(Task&& task)  // NOLINT(google-explicit-constructor, bugprone-forwarding-reference-overload): as the task
+      : object_(const_cast<void*>(static_cast<const void*>(std::addressof(task)))), call_([](void* object, Index i) {
+          (*static_cast<std::remove_reference_t<Task>*>(object))(i);
+        }) {}
+
+  void operator()(Index i) const { call_(object_, i); }
+
+ private:
+  void* object_;
+  void (*call_)(void*, Index);
+};
+
+/// Refers to an executor of any type, which must outlive it; made from nothing, to the serial one. Functions take their
+/// executor so: they are compiled once, and compute the same bits with every executor.
+class ExecutorRef {
+ public:
+  ExecutorRef()
+      : object_(nullptr), run_([](void*, Index count, TaskRef task) { SerialExecutor()(count, task); }) {}
+  template <class E>
+    requires(!std::same_as<std::remove_cvref_t<E>, ExecutorRef> && Executor<std::remove_reference_t<E>>)
+  ExecutorRef(E&& executor)  // NOLINT(google-explicit-constructor, bugprone-forwarding-reference-overload)
+      : object_(const_cast<void*>(static_cast<const void*>(std::addressof(executor)))),
+        run_([](void* object, Index count, TaskRef task) {
+          (*static_cast<std::remove_reference_t<E>*>(object))(count, task);
+        }) {}
+
+  void operator()(Index count, TaskRef task) const { run_(object_, count, task); }
+
+ private:
+  void* object_;
+  void (*run_)(void*, Index, TaskRef);
+};
+
 namespace detail {
 
-/// A call that is compiled once for every loop. Inlined, it would be compiled again for each way in which an executor
-/// runs its tasks, and a compiler that may contract a * b + c contracts differently where it sees different code: then
-/// the number of threads would change the last bits.
-template <class Body>
-COROTET_NEVER_INLINE void run_range(Body& body, Index begin, Index end) {
-  body(begin, end);
-}
+/// A loop over [0, count) in ranges of `grain`.
+struct RangeTask {
+  void* body;
+  void (*call)(void* body, Index begin, Index end);
+  Index count, grain;
+
+  void operator()(Index range) const {
+    const Index begin = range * grain;
+    call(body, begin, (std::min)(begin + grain, count));
+  }
+};
 
 }  // namespace detail
 
 /// Splits [0, count) into ranges of `grain` and calls `body(begin, end)` for each. The ranges depend on `count` and
 /// `grain` alone, never on the number of threads, so that results are the same bits on any executor.
-template <Executor E, std::invocable<Index, Index> Body>
-void for_ranges(E& executor, Index count, Index grain, Body&& body) {
-  const Index ranges = (count + grain - 1) / grain;
-  executor(ranges, [&](Index range) {
-    const Index begin = range * grain;
-    detail::run_range(body, begin, std::min<Index>(begin + grain, count));
-  });
+template <std::invocable<Index, Index> Body>
+void for_ranges(ExecutorRef executor, Index count, Index grain, Body&& body) {
+  using Plain = std::remove_reference_t<Body>;
+  const detail::RangeTask task{
+      const_cast<void*>(static_cast<const void*>(std::addressof(body))),
+      [](void* object, Index begin, Index end) { (*static_cast<Plain*>(object))(begin, end); }, count, grain};
+  executor((count + grain - 1) / grain, task);
 }
 
 }  // namespace corotet

@@ -333,15 +333,21 @@ template <class T, int R, int K, int C>
 [[nodiscard]] COROTET_ALWAYS_INLINE constexpr Matrix<T, R, C> operator*(const Matrix<T, R, K>& a,
                                                                         const Matrix<T, K, C>& b) {
   Matrix<T, R, C> ab;
-  COROTET_UNROLL
-  for (int c = 0; c < C; ++c) {
+  const auto set = [&](int r, int c) {
+    T sum = a(r, 0) * b(0, c);
     COROTET_UNROLL
-    for (int r = 0; r < R; ++r) {
-      T sum = a(r, 0) * b(0, c);
+    for (int k = 1; k < K; ++k) sum += a(r, k) * b(k, c);
+    ab(r, c) = sum;
+  };
+  if constexpr (R * K * C <= 64) {
+    COROTET_UNROLL
+    for (int c = 0; c < C; ++c) {
       COROTET_UNROLL
-      for (int k = 1; k < K; ++k) sum += a(r, k) * b(k, c);
-      ab(r, c) = sum;
+      for (int r = 0; r < R; ++r) set(r, c);
     }
+  } else {  // as many lines again would take longer to fetch than they save
+    for (int c = 0; c < C; ++c)
+      for (int r = 0; r < R; ++r) set(r, c);
   }
   return ab;
 }

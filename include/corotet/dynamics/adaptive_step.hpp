@@ -60,8 +60,7 @@ class AdaptiveStep {
   [[nodiscard]] const TrustOptions& options() const { return options_; }
 
   /// Advances `body` by `h` seconds. A refused step leaves it untouched, also where only a sub-step was refused.
-  template <Executor E, StepObserver O = IgnorePhases>
-  StepReport step(Body& body, Scalar h, E& executor, O&& observer = O()) {
+  StepReport step(Body& body, Scalar h, ExecutorRef executor = {}, PhaseObserver observer = {}) {
     if (options_.otherwise != Untrusted::accept) {
       displacement_ = body.displacements();
       velocity_ = body.velocities();
@@ -93,10 +92,6 @@ class AdaptiveStep {
     if (report.accepted()) report.refusal = Refusal::untrusted;
     return report;
   }
-  StepReport step(Body& body, Scalar h) {
-    SerialExecutor serial;
-    return step(body, h, serial);
-  }
 
  private:
   /// Whether smaller steps would be refused just the same.
@@ -106,8 +101,7 @@ class AdaptiveStep {
 
   /// Goes through h in so many equal parts; where there is another attempt, only up to the first that cannot be
   /// trusted.
-  template <Executor E, class O>
-  StepReport go_through(Body& body, Scalar h, int parts, bool last, E& executor, O& observer) {
+    StepReport go_through(Body& body, Scalar h, int parts, bool last, ExecutorRef executor, PhaseObserver observer) {
     StepReport all, before = before_;
     bool known = known_;
     for (int part = 1; part <= parts; ++part) {

@@ -54,8 +54,7 @@ class Bdf2 {
 
   /// Advances `body` by `h` seconds. Whatever happens is in the report; a refused step leaves the body untouched.
   /// `observer` is told of each phase as it begins.
-  template <Executor E, StepObserver O = IgnorePhases>
-  StepReport step(Body& body, Scalar h, E& executor, O&& observer = O()) {
+  StepReport step(Body& body, Scalar h, ExecutorRef executor = {}, PhaseObserver observer = {}) {
     StepReport report = implicit_.validate(body, h);
     if (!report.accepted()) return report;
     if (continues(body, h)) {
@@ -73,10 +72,6 @@ class Bdf2 {
     motion_ = report.inverted_elements == 0 ? body.motion_revision() : 0;
     return report;
   }
-  StepReport step(Body& body, Scalar h) {
-    SerialExecutor serial;
-    return step(body, h, serial);
-  }
 
  private:
   [[nodiscard]] bool continues(const Body& body, Scalar h) const {
@@ -88,8 +83,7 @@ class Bdf2 {
   /// body; nothing once they differ by more than that. Near rest, with h times a frequency of the body above 1, they
   /// do, and the extrapolation would be unstable wherever the stiffness is more than 6/5 of the tangent's: z^3 = g (5/2
   /// z^2 - 2 z + 1/2) for a step's factor z has |z| < 1 for g > -1/5 only, where g = 1 - stiffness / tangent.
-  template <Executor E>
-  [[nodiscard]] Scalar extrapolate(const Body& body, Scalar h, Scalar lead, E& executor) {
+  [[nodiscard]] Scalar extrapolate(const Body& body, Scalar h, Scalar lead, ExecutorRef executor) {
     const auto sums = sums_(executor, [&](Index begin, Index end) {
       RangeSums<8>::Sums part{};
       for (Index i = begin; i < end; ++i) {

@@ -45,9 +45,8 @@ class EnergyBalance {
 
   /// After the solve, from `velocity_before` and the body's displacement to these. Kinetic energy is as seen from the
   /// frame in which the step was solved.
-  template <Executor E>
   void solved(const Body& body, const Equation& equation, const Field<Scalar>& velocity_before,
-              const Field<Scalar>& displacement, const Field<Scalar>& velocity, E& executor) {
+              const Field<Scalar>& displacement, const Field<Scalar>& velocity, ExecutorRef executor) {
     const auto in_double = [](const Field<Scalar>& field) {
       return [&field](Index i) -> Vec3<double> { return field[at(i)].template cast<double>(); };
     };
@@ -75,10 +74,9 @@ class EnergyBalance {
   /// of second order has either sign: what they gain is summed until it is paid back, or forgotten after one of
   /// backward Euler, and may be `most_gain` of the elastic energy before and after and the kinetic one about the mean
   /// motion. The fields are those before.
-  template <Executor E>
   [[nodiscard]] bool is_upset(const Body& body, const StepFormula<Scalar>& formula,
                               const Field<Scalar>& displacement_before, const Field<Scalar>& velocity_before,
-                              Equation& equation, E& executor) {
+                              Equation& equation, ExecutorRef executor) {
     const DeformationExtremes worst = equation.worst();
     elastic_after_ = worst.energy;
     revision_ = body.revision();

@@ -37,15 +37,10 @@ class ImplicitEuler {
 
   /// Advances `body` by `h` seconds. Whatever happens is in the report; a refused step leaves the body untouched.
   /// `observer` is told of each phase as it begins.
-  template <Executor E, StepObserver O = IgnorePhases>
-  StepReport step(Body& body, Scalar h, E& executor, O&& observer = O()) {
+  StepReport step(Body& body, Scalar h, ExecutorRef executor = {}, PhaseObserver observer = {}) {
     const StepReport checked = implicit_.validate(body, h);
     if (!checked.accepted()) return checked;
     return implicit_.advance(body, backward_euler(body, h), executor, observer);
-  }
-  StepReport step(Body& body, Scalar h) {
-    SerialExecutor serial;
-    return step(body, h, serial);
   }
 
  private:

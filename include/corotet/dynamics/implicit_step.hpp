@@ -55,8 +55,7 @@ class ImplicitStep {
   }
 
   /// Moves the body as `formula` says; a refused step leaves it untouched. The formula's fields may be the body's.
-  template <Executor E, StepObserver O>
-  StepReport advance(Body& body, const StepFormula<Scalar>& wanted, E& executor, O& observer) {
+  StepReport advance(Body& body, const StepFormula<Scalar>& wanted, ExecutorRef executor, PhaseObserver observer) {
     observer(StepPhase::assembly);
     const bool free = options_.keeps_angular_momentum && body.pins().vertices().empty();
     const bool turning = free && !wanted.ahead;
@@ -95,8 +94,7 @@ class ImplicitStep {
 
  private:
   /// One step of `most` linear solves at most.
-  template <Executor E, StepObserver O>
-  StepReport attempt(Body& body, const StepFormula<Scalar>& formula, int most, bool free, E& executor, O& observer) {
+  StepReport attempt(Body& body, const StepFormula<Scalar>& formula, int most, bool free, ExecutorRef executor, PhaseObserver observer) {
     StepReport report;
     const bool newton = most > 1;
     equation_.project_twist(false);
@@ -180,8 +178,7 @@ class ImplicitStep {
   }
 
   /// Of a body without pins; one of second order is solved where it is.
-  template <Executor E>
-  void enter_frame(const Body& body, const StepFormula<Scalar>& formula, E& executor) {
+  void enter_frame(const Body& body, const StepFormula<Scalar>& formula, ExecutorRef executor) {
     frame_.begin(body, formula.h, formula.ahead.has_value(), executor);
     if (formula.ahead) return equation_.leave_forces();
     frame_.enter(body, formula.h, seen_velocity_, executor);
@@ -195,8 +192,7 @@ class ImplicitStep {
 
   /// Evaluates where the force is linearised first. velocity_: a guess, from which the first solve finds the change:
   /// vbar with the pins' velocities put in, or where the force is linearised ahead, that state's.
-  template <Executor E>
-  void start(const Body& body, const StepFormula<Scalar>& formula, E& executor) {
+  void start(const Body& body, const StepFormula<Scalar>& formula, ExecutorRef executor) {
     if (!formula.ahead) {
       for_ranges(executor, body.vertex_count(), RangeSum::grain, [&](Index begin, Index end) {
         for (Index i = begin; i < end; ++i) velocity_[at(i)] = formula.velocity[at(i)];
@@ -217,8 +213,7 @@ class ImplicitStep {
 
   /// Puts the pins' velocities into velocity_, if they are not there. A pin that jumps so pulls at the body as in
   /// linear elasticity, and where the force is linearised nothing is torn.
-  template <Executor E>
-  void build_first_right_side(const Body& body, const StepFormula<Scalar>& formula, E& executor) {
+  void build_first_right_side(const Body& body, const StepFormula<Scalar>& formula, ExecutorRef executor) {
     if (!formula.ahead) return equation_.linearise_at_rest(body, formula, velocity_, executor);
     equation_.linearise_here(body, formula, velocity_, executor);
     for (std::size_t p = 0; p < body.pins().vertices().size(); ++p) {
@@ -235,8 +230,7 @@ class ImplicitStep {
   }
 
   /// velocity_ += fraction change_, and displacement_ follows. False if a number is not finite.
-  template <Executor E>
-  [[nodiscard]] bool move(const Body& body, const StepFormula<Scalar>& formula, Scalar fraction, E& executor) {
+  [[nodiscard]] bool move(const Body& body, const StepFormula<Scalar>& formula, Scalar fraction, ExecutorRef executor) {
     const double not_finite = sum_(executor, [&](Index begin, Index end) {
       bool finite = true;
       for (Index i = begin; i < end; ++i) {
@@ -251,8 +245,7 @@ class ImplicitStep {
   }
 
   /// displacement_ = xbar + c (velocity_ + fraction change_).
-  template <Executor E>
-  void try_move(const Body& body, const StepFormula<Scalar>& formula, Scalar fraction, E& executor) {
+  void try_move(const Body& body, const StepFormula<Scalar>& formula, Scalar fraction, ExecutorRef executor) {
     for_ranges(executor, body.vertex_count(), RangeSum::grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i)
         displacement_[at(i)] = formula.position[at(i)] + formula.c * (velocity_[at(i)] + fraction * change_[at(i)]);
@@ -266,9 +259,8 @@ class ImplicitStep {
       displacement_[at(body.pins().vertices()[p])] = body.pins().targets()[p];
   }
 
-  template <Executor E>
   [[nodiscard]] SolveStatus solve(const Body& body, const StepFormula<Scalar>& formula, StepReport& report,
-                                  E& executor) {
+                                  ExecutorRef executor) {
     const StepSystem<Scalar> system{equation_.matrix(), equation_.right_side(), body.displacements(),
                                     body.pins().vertices(), equation_.era()};
     const SolveReport solve = solver_.solve(system, change_, executor);
@@ -281,9 +273,8 @@ class ImplicitStep {
   /// The fraction of change_ that lowers the incremental energy |x - xtilde|^2_M / 2 c^2 + W(x) - f_ext . x + D's
   /// part; `elastic` is W before and after, J. The terms that are quadratic in v are taken as differences: those that
   /// grow with velocity and with the distance from rest cancel without rounding.
-  template <Executor E>
   [[nodiscard]] double search_line(const Body& body, const StepFormula<Scalar>& formula, double decrement2,
-                                   double noise, double& elastic, E& executor) {
+                                   double noise, double& elastic, ExecutorRef executor) {
     const auto along = equation_.along(body, formula.c, change_, executor);
     const double before = elastic, slope = along.elastic - decrement2;
     return backtrack(-decrement2, noise, [&](double fraction) {

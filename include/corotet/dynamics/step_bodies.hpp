@@ -15,9 +15,9 @@ namespace corotet {
 /// its integrator reads and writes stays in one core's cache from phase to phase. Same bits on any executor.
 ///
 /// Bodies that touch each other are coupled by the caller, between steps, through external forces.
-template <class Integrator, class Body, Executor E>
+template <class Integrator, class Body>
 void step_bodies(std::span<Integrator> integrators, std::span<Body> bodies, typename Body::scalar_type h,
-                 std::span<StepReport> reports, E& executor) {
+                 std::span<StepReport> reports, ExecutorRef executor) {
   COROTET_ASSERT(integrators.size() == bodies.size() && reports.size() == bodies.size(),
                  "one integrator and one report a body");
   constexpr Index bodies_a_task = 2;  // some tens of microseconds, as other tasks

@@ -76,16 +76,14 @@ class StepEquation {
   }
 
   /// Evaluates the body's displacement, unless that is what was evaluated last.
-  template <Executor E>
-  void evaluate(const Body& body, E& executor) {
+  void evaluate(const Body& body, ExecutorRef executor) {
     if (revision_ == body.revision()) return;
     body.law().evaluate(body.displacements(), evaluation_, executor);
     revision_ = body.revision();
   }
 
   /// Evaluates another displacement.
-  template <Executor E>
-  void evaluate(const Body& body, const Field<Scalar>& displacement, E& executor) {
+  void evaluate(const Body& body, const Field<Scalar>& displacement, ExecutorRef executor) {
     revision_ = 0;
     body.law().evaluate(displacement, evaluation_, executor);
   }
@@ -95,8 +93,7 @@ class StepEquation {
 
   /// matrix = A at the evaluated state. `first`: of this step. `often`: whether the equation is linearised at other
   /// velocities than v_k = 0.
-  template <Executor E>
-  void build_matrix(const Body& body, Scalar c, bool first, bool often, E& executor) {
+  void build_matrix(const Body& body, Scalar c, bool first, bool often, ExecutorRef executor) {
     const Scalar mass = mass_factor(body, c), viscosity = damping_factor(body, c);
     if (first && often && damping_)
       assemble(body.law(), evaluation_, body.mass(), Scalar(0), Scalar(1), *damping_, executor);
@@ -108,8 +105,7 @@ class StepEquation {
   }
 
   /// right_side = M vbar + c f - A v: of the equation for the change of v, where v_k = 0.
-  template <Executor E>
-  void linearise_at_rest(const Body& body, const StepFormula<Scalar>& formula, const Field<Scalar>& v, E& executor) {
+  void linearise_at_rest(const Body& body, const StepFormula<Scalar>& formula, const Field<Scalar>& v, ExecutorRef executor) {
     // The rows of A sum to (1 + c a) times those of M, because those of all stiffnesses sum to zero.
     const Scalar mass = mass_factor(body, formula.c);
     for_rows(body, executor, [&](Index i) {
@@ -121,8 +117,7 @@ class StepEquation {
 
   /// The same where v = v_k, without A: right_side = M (vbar - v) + c (f_ext + f_el - D v), minus the gradient of the
   /// incremental energy. Zero at pins.
-  template <Executor E>
-  void linearise_here(const Body& body, const StepFormula<Scalar>& formula, const Field<Scalar>& v, E& executor) {
+  void linearise_here(const Body& body, const StepFormula<Scalar>& formula, const Field<Scalar>& v, ExecutorRef executor) {
     for_rows(body, executor, [&](Index i) {
       right_side_[at(i)] = body.mass().row_product(*body.pattern(), i, formula.velocity) -
                            inertia(body, formula.c, i, v) + formula.c * force(body, i);
@@ -164,9 +159,8 @@ class StepEquation {
   /// Adds to the change d of the velocity v of a body without pins the translation that its momentum lacks. Rows of all
   /// stiffnesses sum to zero, so that of the whole equation this is left: (1 + c a) M (v + d) = M vbar + c f_ext, in
   /// sum. Neither what the solver has left nor rounding of elastic forces is in that.
-  template <Executor E>
   void settle_momentum(const Body& body, const StepFormula<Scalar>& formula, const Field<Scalar>& v, Field<Scalar>& d,
-                       E& executor) {
+                       ExecutorRef executor) {
     const double mass = double(mass_factor(body, formula.c)), c = double(formula.c);
     const auto lacking = momentum_(executor, [&](Index begin, Index end) {
       Vec3<double> sum = Vec3<double>::Zero();
@@ -188,8 +182,7 @@ class StepEquation {
   struct AlongLine {
     double curvature, elastic;
   };
-  template <Executor E>
-  [[nodiscard]] AlongLine along(const Body& body, Scalar c, const Field<Scalar>& d, E& executor) {
+  [[nodiscard]] AlongLine along(const Body& body, Scalar c, const Field<Scalar>& d, ExecutorRef executor) {
     const auto sums = sums_(executor, [&](Index begin, Index end) {
       Sums part{};
       for (Index i = begin; i < end; ++i) {
@@ -202,14 +195,12 @@ class StepEquation {
   }
 
   /// right_side . d.
-  template <Executor E>
-  [[nodiscard]] double right_side_dot(const Field<Scalar>& d, E& executor) {
+  [[nodiscard]] double right_side_dot(const Field<Scalar>& d, ExecutorRef executor) {
     return sums_(executor, [&](Index begin, Index end) { return Sums{range_dot(right_side_, d, begin, end), 0}; })[0];
   }
 
   /// |right_side| in the norm of the inverse of the matrix's diagonal, which may be negative: Tangent::exact.
-  template <Executor E>
-  [[nodiscard]] double right_side_norm(E& executor) {
+  [[nodiscard]] double right_side_norm(ExecutorRef executor) {
     return std::sqrt(sums_(executor, [&](Index begin, Index end) {
       double sum = 0;
       for (Index i = begin; i < end; ++i)
@@ -220,8 +211,7 @@ class StepEquation {
   }
 
   /// How far the rounding of positions goes in the energy norm of velocities, sqrt(J): no correction is worth less.
-  template <Executor E>
-  [[nodiscard]] double position_rounding(const Body& body, Scalar c, E& executor) {
+  [[nodiscard]] double position_rounding(const Body& body, Scalar c, ExecutorRef executor) {
     const double sum = sums_(executor, [&](Index begin, Index end) {
       double part = 0;
       for (Index i = begin; i < end; ++i) {
@@ -261,8 +251,8 @@ class StepEquation {
     return product;
   }
 
-  template <Executor E, std::invocable<Index> Row>
-  static void for_rows(const Body& body, E& executor, Row&& row) {
+  template <std::invocable<Index> Row>
+  static void for_rows(const Body& body, ExecutorRef executor, Row&& row) {
     for_ranges(executor, body.vertex_count(), BlockMatrix<Scalar>::row_grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) row(i);
     });

@@ -3,6 +3,8 @@
 
 #include <concepts>
 #include <cstdint>
+#include <memory>
+#include <type_traits>
 
 namespace corotet {
 
@@ -13,13 +15,24 @@ enum class StepPhase : std::uint8_t {
   update     ///< the new state, with the rotations and forces there, from which the next step starts
 };
 
-/// Called with each phase as it begins, on the thread that called `step`. A refused step may not reach all of them.
-template <class O>
-concept StepObserver = std::invocable<O&, StepPhase>;
+/// Refers to a callable that is told of each phase as it begins, on the thread that called `step`; it must outlive the
+/// step. A refused step may not reach all of them. Made from nothing, it tells nobody.
+class PhaseObserver {
+ public:
+  PhaseObserver() = default;
+  template <std::invocable<StepPhase> O>
+    requires(!std::same_as<std::remove_cvref_t<O>, PhaseObserver>)
+  PhaseObserver(O&& observer)  // NOLINT(google-explicit-constructor, bugprone-forwarding-reference-overload)
+      : object_(const_cast<void*>(static_cast<const void*>(std::addressof(observer)))),
+        call_([](void* object, StepPhase phase) { (*static_cast<std::remove_reference_t<O>*>(object))(phase); }) {}
 
-/// The default: costs nothing.
-struct IgnorePhases {
-  void operator()(StepPhase) const {}
+  void operator()(StepPhase phase) const {
+    if (call_ != nullptr) call_(object_, phase);
+  }
+
+ private:
+  void* object_ = nullptr;
+  void (*call_)(void*, StepPhase) = nullptr;
 };
 
 }  // namespace corotet

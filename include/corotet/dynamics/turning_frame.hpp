@@ -37,8 +37,7 @@ class TurningFrame {
 
   /// Before a step of `h` s: what the body's angular momentum about its centre of mass will be after it, from what it
   /// is, what mass damping leaves of that (to first or second order), and what forces besides gravity do to it.
-  template <Executor E>
-  void begin(const Body& body, Scalar h, bool second_order, E& executor) {
+  void begin(const Body& body, Scalar h, bool second_order, ExecutorRef executor) {
     const auto x = placed(body, body.displacements());
     const auto v = relative(body.velocities());
     const auto sums = before_sums_(executor, [&](Index begin, Index end) {
@@ -63,8 +62,7 @@ class TurningFrame {
   }
 
   /// Enters the frame for the step that has begun: `velocity` is the body's as seen from it, m/s.
-  template <Executor E>
-  void enter(const Body& body, Scalar h, Field<Scalar>& velocity, E& executor) {
+  void enter(const Body& body, Scalar h, Field<Scalar>& velocity, ExecutorRef executor) {
     const Vec3<double> w = frame_ = angular_velocity(before_.second, before_.momentum);
     turn_ = double(h) * w;
     const Mat3<double> coriolis = rotation_by(-2 * turn_);
@@ -88,9 +86,8 @@ class TurningFrame {
 
   /// Leaves the frame, if it was entered, and gives the body its angular momentum: turns the solution of a step, with
   /// x' = xbar + c v'. False if a number is not finite.
-  template <Executor E>
   [[nodiscard]] bool leave(const Body& body, Scalar c, Field<Scalar>& displacement, Field<Scalar>& velocity,
-                           E& executor) {
+                           ExecutorRef executor) {
     const auto x = placed(body, displacement);
     const auto v = relative(velocity);
     const auto sums = after_sums_(executor, [&](Index begin, Index end) {

@@ -36,9 +36,8 @@ class EmbeddedSurface {
   /// follows the linear extension of the motion at the nearest point. Errors: non_finite_value (names the vertex; also
   /// one farther from the mesh's origin than 1e100 m, in float 1e30 m), invalid_argument (number of normals),
   /// unsupported (too many).
-  template <Executor E = SerialExecutor>
   [[nodiscard]] static Result<EmbeddedSurface> bind(const Mesh& mesh, std::span<const Vec3<double>> rest_positions,
-                                                    std::span<const Vec3<double>> rest_normals = {}, E executor = {}) {
+                                                    std::span<const Vec3<double>> rest_normals = {}, ExecutorRef executor = {}) {
     if (Result<void> status = detail::check_surface(mesh, rest_positions, rest_normals); !status) return status.error();
     const Index count = size_of(rest_positions);
     const BoxTree tree = detail::element_tree(mesh);
@@ -78,8 +77,7 @@ class EmbeddedSurface {
 
   /// The same for a triangle surface. Where it has no normals, its vertices get the angle-weighted normals of its
   /// triangles. Further errors: index_out_of_range (names the triangle).
-  template <Executor E = SerialExecutor>
-  [[nodiscard]] static Result<EmbeddedSurface> bind(const Mesh& mesh, const SurfaceMesh& surface, E executor = {}) {
+  [[nodiscard]] static Result<EmbeddedSurface> bind(const Mesh& mesh, const SurfaceMesh& surface, ExecutorRef executor = {}) {
     if (Result<void> status = detail::check_triangles(surface); !status) return status.error();
     if (!surface.normals.empty() || surface.triangles.empty())
       return bind(mesh, surface.positions, surface.normals, executor);
@@ -90,8 +88,7 @@ class EmbeddedSurface {
   /// Writes positions and normals that belong to the displacements `u` (m, one a mesh vertex, relative to its rest
   /// position) into `out`. A normal that the motion makes undefined (the body crushed to a line or a point there) is
   /// written as the rest normal. `out` must have one vertex for each bound vertex; normals need bound normals.
-  template <Executor E>
-  void update(std::span<const Vec3<Scalar>> u, const VertexBuffer& out, E&& executor) {
+  void update(std::span<const Vec3<Scalar>> u, const VertexBuffer& out, ExecutorRef executor = {}) {
     COROTET_ASSERT(out.data != nullptr && out.count == vertex_count(), "the buffer needs one vertex per bound vertex");
     COROTET_ASSERT(out.fits(out.position_offset) && out.fits(out.normal_offset), "an attribute exceeds the stride");
     const detail::Wide<Scalar> translation = detail::widen<Scalar>(out.translation.template cast<Scalar>());
@@ -110,20 +107,19 @@ class EmbeddedSurface {
     else if (with_normals)
       deform<true>(u, executor, nothing, normal);
   }
-  void update(std::span<const Vec3<Scalar>> u, const VertexBuffer& out) { update(u, out, SerialExecutor{}); }
 
   /// Positions alone, m, relative to the mesh's origin: one a bound vertex.
   void positions(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out) {
     COROTET_ASSERT(size_of(out) == vertex_count(), "out needs one entry per bound vertex");
     const auto write = [&](Index v, const detail::Wide<Scalar>& x) { out[at(v)] = x.template head<3>(); };
-    deform<false>(u, SerialExecutor{}, write, nothing);
+    deform<false>(u, {}, write, nothing);
   }
 
   /// Unit normals alone.
   void normals(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out) {
     COROTET_ASSERT(size_of(out) == vertex_count(), "out needs one entry per bound vertex");
     const auto write = [&](Index v, const detail::Wide<Scalar>& n) { out[at(v)] = n.template head<3>(); };
-    deform<true>(u, SerialExecutor{}, nothing, write);
+    deform<true>(u, {}, nothing, write);
   }
 
   [[nodiscard]] Index vertex_count() const { return size_of(vertices_); }
@@ -159,8 +155,8 @@ class EmbeddedSurface {
   static constexpr auto nothing = [](Index, const detail::Wide<Scalar>&) {};
 
   /// Sets the motion of each carrier, then hands each vertex's position and normal to the writers.
-  template <bool with_normals, Executor E, class WritePosition, class WriteNormal>
-  void deform(std::span<const Vec3<Scalar>> u, E&& executor, const WritePosition& write_position,
+  template <bool with_normals, class WritePosition, class WriteNormal>
+  void deform(std::span<const Vec3<Scalar>> u, ExecutorRef executor, const WritePosition& write_position,
               const WriteNormal& write_normal) {
     COROTET_ASSERT(size_of(u) == mesh_vertices_, "displacements need one entry per mesh vertex");
     COROTET_ASSERT(!with_normals || has_normals_, "normals were not given when binding");

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <corotet/assembly/block_matrix.hpp>
+#include <corotet/core/deep_pointer.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/block_cholesky.hpp>
@@ -65,8 +66,7 @@ class AutoSolver {
 
   /// Solves to `options().tolerance`: an error in the energy norm as Pcg knows it, or a Euclidean residual (Cholesky,
   /// refined where one substitution is not enough).
-  template <Executor E>
-  SolveReport solve(const StepSystem<Scalar>& system, Field<Scalar>& x, E& executor);
+  SolveReport solve(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor);
 
   /// What is used now.
   [[nodiscard]] SolverMethod method() const { return method_; }
@@ -78,28 +78,27 @@ class AutoSolver {
   [[nodiscard]] const Options& options() const { return options_; }
 
  private:
-  template <class P, Executor E>
-  SolveReport solve_by(P& preconditioner, const StepSystem<Scalar>& system, Field<Scalar>& x, E& executor) {
+  template <class P>
+  SolveReport solve_by(P& preconditioner, const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor) {
     preconditioner.update(system, executor);
-    return pcg_.solve(system, preconditioner, x, {options_.tolerance, options_.max_iterations}, executor);
+    return parts_->pcg.solve(system, preconditioner, x, {options_.tolerance, options_.max_iterations}, executor);
   }
 
-  template <Executor E>
-  SolveReport solve_directly(const StepSystem<Scalar>& system, Field<Scalar>& x, E& executor) {
+  SolveReport solve_directly(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor) {
     std::fill(x.begin(), x.end(), Vec3<Scalar>::Zero());
     if (!is_tolerance(options_.tolerance)) return {SolveStatus::invalid_options, 0, 1.0};
     for (Index k = 0; k < system.matrix.pattern().blocks(); ++k)
-      in_double_.block(k) = system.matrix.block(k).template cast<double>();
-    if (!cholesky_.factorize(in_double_)) return {SolveStatus::breakdown, 0, 1.0};
-    factor_.assign(cholesky_.factor());
-    const auto factor = [this](const Field<Scalar>& r, Field<Scalar>& y) { factor_.solve(r, y); };
-    return refinement_.solve(system.matrix, factor, system.right_side, x, options_.tolerance, executor);
+      parts_->in_double.block(k) = system.matrix.block(k).template cast<double>();
+    if (!parts_->cholesky.factorize(parts_->in_double)) return {SolveStatus::breakdown, 0, 1.0};
+    parts_->factor.assign(parts_->cholesky.factor());
+    const auto factor = [this](const Field<Scalar>& r, Field<Scalar>& y) { parts_->factor.solve(r, y); };
+    return parts_->refinement.solve(system.matrix, factor, system.right_side, x, options_.tolerance, executor);
   }
 
   /// Whether the factor of the whole body would have been cheaper than solves of so many iterations.
   void compare(std::optional<double> iterations) {
     if (!iterations) return;
-    predicted_products_ = cost_.rigid_aggregates(double(rigid_.factor_blocks()), *iterations);
+    predicted_products_ = cost_.rigid_aggregates(double(parts_->rigid.factor_blocks()), *iterations);
     if (warped_products_ >= predicted_products_) return;
     predicted_products_ = warped_products_;
     preconditioner_ = PreconditionerKind::warped_cholesky;
@@ -117,14 +116,18 @@ class AutoSolver {
   double predicted_products_ = 0, warped_products_ = std::numeric_limits<double>::infinity();
   bool may_change_ = false;
   IterationWatch watch_;
-  Pcg<Scalar> pcg_;
-  BlockJacobi<Scalar> diagonal_;
-  RigidAggregates<Scalar> rigid_;
-  WarpedCholesky<Scalar> warped_;
-  BlockCholesky<double> cholesky_;  // in double whatever Scalar is, as in WarpedCholesky: stiff bodies need it
-  BlockMatrix<double> in_double_;
-  BlockFactor<Scalar, 3> factor_;
-  Refinement<Scalar> refinement_;
+  /// What the methods work with; empty where a method is not used.
+  struct Parts {
+    Pcg<Scalar> pcg;
+    BlockJacobi<Scalar> diagonal;
+    RigidAggregates<Scalar> rigid;
+    WarpedCholesky<Scalar> warped;
+    BlockCholesky<double> cholesky;  // in double whatever Scalar is, as in WarpedCholesky: stiff bodies need it
+    BlockMatrix<double> in_double;
+    BlockFactor<Scalar, 3> factor;
+    Refinement<Scalar> refinement;
+  };
+  detail::DeepPointer<Parts> parts_;
 };
 
 // The two below are not in the class, where they would be inline and compiled wherever they are called: so a program
@@ -134,18 +137,18 @@ void AutoSolver<Scalar>::analyze(const std::shared_ptr<const BlockPattern>& patt
   *this = AutoSolver(options_);
   method_ = options_.method == SolverMethod::automatic ? SolverMethod::pcg : options_.method;
   if (method_ == SolverMethod::cholesky) {
-    cholesky_.analyze(*pattern);
-    if (cholesky_.fits()) {
-      cholesky_.allocate();
-      factor_.assign(cholesky_.factor());
-      in_double_ = BlockMatrix<double>(pattern);
-      refinement_ = Refinement<Scalar>(pattern->rows());
+    parts_->cholesky.analyze(*pattern);
+    if (parts_->cholesky.fits()) {
+      parts_->cholesky.allocate();
+      parts_->factor.assign(parts_->cholesky.factor());
+      parts_->in_double = BlockMatrix<double>(pattern);
+      parts_->refinement = Refinement<Scalar>(pattern->rows());
       return;
     }
     method_ = SolverMethod::pcg;
-    cholesky_ = {};
+    parts_->cholesky = {};
   }
-  pcg_ = Pcg<Scalar>(pattern->rows());
+  parts_->pcg = Pcg<Scalar>(pattern->rows());
   choose_preconditioner(pattern, rest);
 }
 
@@ -157,45 +160,43 @@ void AutoSolver<Scalar>::choose_preconditioner(const std::shared_ptr<const Block
   cost_ = SolveCost(pattern->blocks(), vertices);
   preconditioner_ = options_.preconditioner;
   if (preconditioner_ == jacobi || preconditioner_ == block_jacobi) {
-    diagonal_ = BlockJacobi<Scalar>(*pattern, preconditioner_ == block_jacobi);
+    parts_->diagonal = BlockJacobi<Scalar>(*pattern, preconditioner_ == block_jacobi);
     return;
   }
   if (preconditioner_ == warped_cholesky ||
       (preconditioner_ == automatic && vertices <= most_vertices_of_a_small_body)) {
-    warped_.analyze(pattern, rest);
-    if (warped_.fits()) warped_products_ = cost_.warped_cholesky(double(warped_.factor_blocks()));
+    parts_->warped.analyze(pattern, rest);
+    if (parts_->warped.fits()) warped_products_ = cost_.warped_cholesky(double(parts_->warped.factor_blocks()));
   }
-  if (preconditioner_ == warped_cholesky && warped_.fits()) {
+  if (preconditioner_ == warped_cholesky && parts_->warped.fits()) {
     predicted_products_ = warped_products_;
-    warped_.allocate();
+    parts_->warped.allocate();
     return;
   }
-  rigid_.analyze(*pattern, rest, RigidAggregates<Scalar>::sizes_for(vertices));
-  predicted_products_ = cost_.rigid_aggregates(double(rigid_.factor_blocks()));
+  parts_->rigid.analyze(*pattern, rest, RigidAggregates<Scalar>::sizes_for(vertices));
+  predicted_products_ = cost_.rigid_aggregates(double(parts_->rigid.factor_blocks()));
   constexpr double most_iterations = 25;
   may_change_ = preconditioner_ == automatic &&
-                warped_products_ < cost_.rigid_aggregates(double(rigid_.factor_blocks()), most_iterations);
+                warped_products_ < cost_.rigid_aggregates(double(parts_->rigid.factor_blocks()), most_iterations);
   preconditioner_ = rigid_aggregates;
   if (may_change_)
-    warped_.allocate();
+    parts_->warped.allocate();
   else
-    warped_ = {};
+    parts_->warped = {};
 }
 
 template <std::floating_point Scalar>
-template <Executor E>
-SolveReport AutoSolver<Scalar>::solve(const StepSystem<Scalar>& system, Field<Scalar>& x, E& executor) {
+SolveReport AutoSolver<Scalar>::solve(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor) {
   if (method_ == SolverMethod::cholesky) return solve_directly(system, x, executor);
   if (may_change_ && watch_.begins(system.era)) preconditioner_ = PreconditionerKind::rigid_aggregates;
-  if (preconditioner_ == PreconditionerKind::warped_cholesky) return solve_by(warped_, system, x, executor);
+  if (preconditioner_ == PreconditionerKind::warped_cholesky) return solve_by(parts_->warped, system, x, executor);
   if (preconditioner_ == PreconditionerKind::rigid_aggregates) {
-    const SolveReport report = solve_by(rigid_, system, x, executor);
+    const SolveReport report = solve_by(parts_->rigid, system, x, executor);
     if (may_change_) compare(watch_.add(report.iterations));
     return report;
   }
-  return solve_by(diagonal_, system, x, executor);
+  return solve_by(parts_->diagonal, system, x, executor);
 }
 
-static_assert(LinearSolver<AutoSolver<float>, float> && LinearSolver<AutoSolver<double>, double>);
 
 }  // namespace corotet

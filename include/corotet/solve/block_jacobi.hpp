@@ -22,15 +22,13 @@ class BlockJacobi {
   explicit BlockJacobi(const BlockPattern& pattern, bool whole_blocks = true)
       : whole_blocks_(whole_blocks), inverse_(at(pattern.rows()), Inverse::Zero()), sum_(pattern.rows()) {}
 
-  template <Executor E>
-  void update(const StepSystem<Scalar>& system, E& executor) {
+  void update(const StepSystem<Scalar>& system, ExecutorRef executor) {
     for_ranges(executor, size_of(inverse_), RangeSum::grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) inverse_[at(i)].set_block(0, 0, inverse(system.matrix.diagonal(i)));
     });
   }
 
-  template <Executor E>
-  double apply(const PaddedField<Scalar>& r, PaddedField<Scalar>& z, E& executor) {
+  double apply(const PaddedField<Scalar>& r, PaddedField<Scalar>& z, ExecutorRef executor) {
     return sum_(executor, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) z[at(i)].set(apply_to(i, r[at(i)]));
       return range_dot(r, z, begin, end);
@@ -62,6 +60,5 @@ class BlockJacobi {
   RangeSum sum_;
 };
 
-static_assert(Preconditioner<BlockJacobi<float>, float>);
 
 }  // namespace corotet

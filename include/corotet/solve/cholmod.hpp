@@ -58,8 +58,7 @@ class CholmodSolver {
     cholmod_->analyzePattern(matrix_);
   }
 
-  template <Executor E>
-  SolveReport solve(const StepSystem<Scalar>& system, Field<Scalar>& x, E& executor) {
+  SolveReport solve(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor) {
     const BlockMatrix<Scalar>& matrix = system.matrix;
     double* value = matrix_.valuePtr();
     const BlockPattern& pattern = matrix.pattern();

@@ -27,8 +27,7 @@ class FirstGuess {
   }
 
   /// Sets x to the guess and r to right_side - A x; returns the guess's energy x . A x.
-  template <Executor E>
-  double start(const StepSystem<Scalar>& system, PaddedField<Scalar>& x, PaddedField<Scalar>& r, E& executor) {
+  double start(const StepSystem<Scalar>& system, PaddedField<Scalar>& x, PaddedField<Scalar>& r, ExecutorRef executor) {
     for (PaddedField<Scalar>& last : last_)
       for (const Index v : system.pinned) last[at(v)] = {};
     const Sums sums = sums_(executor, [&](Index begin, Index end) {

@@ -24,23 +24,25 @@ struct PcgOptions {
 
 namespace detail {
 
-/// Energy gained by the last `delay` iterations; infinite until there are as many.
-template <int delay>
+/// Energy gained by the last `delay` iterations, of `capacity` at most; infinite until there are as many.
+template <int capacity>
 class RecentGains {
  public:
+  explicit RecentGains(int delay) : delay_(delay) {}
+
   void add(double gain) {
-    if constexpr (delay > 0) gain_[static_cast<std::size_t>(count_++ % delay)] = gain;
+    if (delay_ > 0) gain_[static_cast<std::size_t>(count_++ % delay_)] = gain;
   }
   [[nodiscard]] double sum() const {
-    if (count_ < delay) return std::numeric_limits<double>::infinity();
+    if (count_ < delay_) return std::numeric_limits<double>::infinity();
     double sum = 0;
-    for (const double gain : gain_) sum += gain;
+    for (int i = 0; i < delay_; ++i) sum += gain_[static_cast<std::size_t>(i)];
     return sum;
   }
 
  private:
-  std::array<double, std::size_t{delay}> gain_{};
-  int count_ = 0;
+  std::array<double, std::size_t{capacity}> gain_{};
+  int delay_, count_ = 0;
 };
 
 }  // namespace detail
@@ -59,9 +61,8 @@ class Pcg {
 
   /// Sets x to the solution. The residual that is reported is that of the x returned, measured; where rounding has made
   /// it larger than the iteration believed, the iteration starts again from x, as long as that helps.
-  template <Preconditioner<Scalar> P, Executor E>
-  SolveReport solve(const StepSystem<Scalar>& system, P& preconditioner, Field<Scalar>& x, const PcgOptions& options,
-                    E& executor) {
+  SolveReport solve(const StepSystem<Scalar>& system, PreconditionerRef<Scalar> preconditioner, Field<Scalar>& x,
+                    const PcgOptions& options, ExecutorRef executor) {
     SolveReport report;
     std::fill(x.begin(), x.end(), Vec3<Scalar>::Zero());
     if (!is_tolerance(options.tolerance) || options.max_iterations < 0) return {SolveStatus::invalid_options, 0, 1.0};
@@ -98,10 +99,9 @@ class Pcg {
  private:
   /// Conjugate gradients from x_, whose residual is r_ with z_ = P r_ and r_ . z_ = rz, until the error that the
   /// recursion follows is small enough. `energy` is that of x, and follows it.
-  template <class P, Executor E>
-  void iterate(const BlockMatrix<Scalar>& matrix, P& preconditioner, double rz, double wanted, int max_iterations,
-               double& energy, SolveReport& report, E& executor) {
-    detail::RecentGains<P::error_delay> gains;
+  void iterate(const BlockMatrix<Scalar>& matrix, PreconditionerRef<Scalar> preconditioner, double rz, double wanted, int max_iterations,
+               double& energy, SolveReport& report, ExecutorRef executor) {
+    detail::RecentGains<PreconditionerRef<Scalar>::max_error_delay> gains(preconditioner.error_delay());
     // What the recursion has left below this is rounding: a small system is solved before the gains tell.
     constexpr auto rounding = static_cast<double>(std::numeric_limits<Scalar>::epsilon()) / 4;
     p_ = z_;
@@ -144,8 +144,7 @@ class Pcg {
   }
 
   /// r_ = b - A x_.
-  template <Executor E>
-  void measure(const StepSystem<Scalar>& system, E& executor) {
+  void measure(const StepSystem<Scalar>& system, ExecutorRef executor) {
     for_ranges(executor, size_of(r_), RangeSum::grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) {
         r_[at(i)].set(system.right_side[at(i)]);

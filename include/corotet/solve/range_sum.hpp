@@ -66,8 +66,8 @@ class RangeSums {
   explicit RangeSums(Index count) : count_(count), partial_(at((count + grain - 1) / grain), Sums{}) {}
 
   /// The sums of `part(begin, end)`, which returns Sums, over all ranges.
-  template <Executor E, std::invocable<Index, Index> Part>
-  [[nodiscard]] Sums operator()(E& executor, Part&& part) {
+  template <std::invocable<Index, Index> Part>
+  [[nodiscard]] Sums operator()(ExecutorRef executor, Part&& part) {
     for_ranges(executor, count_, grain,
                [&](Index begin, Index end) { partial_[at(begin / grain)] = part(begin, end); });
     Sums sums{};
@@ -91,8 +91,8 @@ class RangeSum {
   explicit RangeSum(Index count) : sums_(count) {}
 
   /// The sum of `part(begin, end)`, which returns a double, over all ranges.
-  template <Executor E, std::invocable<Index, Index> Part>
-  [[nodiscard]] double operator()(E& executor, Part&& part) {
+  template <std::invocable<Index, Index> Part>
+  [[nodiscard]] double operator()(ExecutorRef executor, Part&& part) {
     return sums_(executor, [&](Index begin, Index end) { return RangeSums<1>::Sums{part(begin, end)}; })[0];
   }
 

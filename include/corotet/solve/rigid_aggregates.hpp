@@ -70,8 +70,7 @@ class RigidAggregates {
   [[nodiscard]] std::size_t factor_blocks() const { return cholesky_.factor_blocks(); }
   [[nodiscard]] Sizes sizes() const { return {body_.parts.count(), body_.group_frames.parts()}; }
 
-  template <Executor E>
-  void update(const StepSystem<Scalar>& system, E& executor) {
+  void update(const StepSystem<Scalar>& system, ExecutorRef executor) {
     smoother_.update(system, executor);
     const bool renew = renewal_.due(system.era);
     if (renew) body_.pin(system.pinned);
@@ -79,8 +78,7 @@ class RigidAggregates {
     if (renew) factorize(system.matrix, executor);
   }
 
-  template <Executor E>
-  double apply(const PaddedField<Scalar>& r, PaddedField<Scalar>& z, E& executor) {
+  double apply(const PaddedField<Scalar>& r, PaddedField<Scalar>& z, ExecutorRef executor) {
     if (!usable_) return std::numeric_limits<double>::quiet_NaN();
     renewal_.count();
     body_.for_parts(executor, [&](Index part) {
@@ -124,8 +122,7 @@ class RigidAggregates {
   }
 
   /// The coarse matrix and its factor, from the matrix of now, turned back.
-  template <Executor E>
-  void factorize(const BlockMatrix<Scalar>& matrix, E& executor) {
+  void factorize(const BlockMatrix<Scalar>& matrix, ExecutorRef executor) {
     const RigidFrames<Scalar>& frames = body_.coupled ? body_.part_frames : body_.group_frames;
     const BlockPattern& p = coarse_.pattern();
     const auto group_if_free = [&](Index v) { return body_.moves[at(v)] == 0 ? -1 : body_.group_of(v); };
@@ -153,8 +150,7 @@ class RigidAggregates {
     if (!body_.coupled) invert_parts(matrix, executor);
   }
 
-  template <Executor E>
-  void invert_parts(const BlockMatrix<Scalar>& matrix, E& executor) {
+  void invert_parts(const BlockMatrix<Scalar>& matrix, ExecutorRef executor) {
     body_.for_parts(executor, [&](Index part) {
       Matrix<double, 6, 6> diagonal = Matrix<double, 6, 6>::Zero();
       rigid_row(
@@ -225,8 +221,7 @@ class RigidAggregates {
   }
 
   /// Parts by their own blocks, and the rigid motions of groups on top.
-  template <Executor E>
-  void solve_groups(E& executor) {
+  void solve_groups(ExecutorRef executor) {
     const Index groups = body_.group_frames.parts();
     for_ranges(executor, groups, group_grain, [&](Index begin, Index end) {
       for (Index g = begin; g < end; ++g) {
@@ -265,6 +260,5 @@ class RigidAggregates {
   bool usable_ = false;
 };
 
-static_assert(Preconditioner<RigidAggregates<float>, float>);
 
 }  // namespace corotet

@@ -51,8 +51,8 @@ struct RigidParts {
   [[nodiscard]] Index group_of(Index vertex) const { return groups.of[at(parts.of[at(vertex)])]; }
 
   /// Calls `body(part)` for each part, some of them a task.
-  template <Executor E, class Body>
-  void for_parts(E& executor, Body&& body) const {
+  template <class Body>
+  void for_parts(ExecutorRef executor, Body&& body) const {
     const Index vertices_each = std::max<Index>(1, size_of(rest) / parts.count());
     for_ranges(executor, parts.count(), std::max<Index>(1, RangeSum::grain / vertices_each),
                [&](Index begin, Index end) {
@@ -68,8 +68,7 @@ struct RigidParts {
   }
 
   /// Centres, rotations and offsets at a displacement.
-  template <Executor E>
-  void place(const Field<Scalar>& displacement, E& executor) {
+  void place(const Field<Scalar>& displacement, ExecutorRef executor) {
     for_parts(executor, [&](Index part) {
       Vec3<Scalar> mean = Vec3<Scalar>::Zero();
       for (const Index v : vertices_of(part)) mean += displacement[at(v)];

@@ -14,8 +14,8 @@ namespace corotet {
 /// mean, by the rotation R that makes sum |x - R X|^2 least: the polar factor of the moment (Müller, Heidelberger,
 /// Teschner & Gross 2005, "Meshless deformations based on shape matching", section 3.3). A group whose points lie on a
 /// line, or coincide, gets one of the rotations that fit.
-template <std::floating_point Scalar, Executor E>
-void rotations_of_moments(std::vector<Mat3<Scalar>>& moment, E& executor) {
+template <std::floating_point Scalar>
+void rotations_of_moments(std::vector<Mat3<Scalar>>& moment, ExecutorRef executor) {
   constexpr Index lanes = lane_count<Scalar>;
   for_ranges(executor, size_of(moment), 8 * lanes, [&](Index begin, Index end) {
     for (Index first = begin; first < end; first += lanes) {

@@ -8,8 +8,7 @@
 namespace corotet {
 
 /// Sets `inverse` to the inverse of L, a = L L^T, with zeros above its diagonal. False if `a` is not positive definite;
-/// reads its lower triangle only. (Plain loops: Eigen's factorisation of a 6x6 block, which is made for large ones,
-/// takes a second to compile.)
+/// reads its lower triangle only.
 template <std::floating_point Scalar, int B>
 [[nodiscard]] bool inverse_cholesky(Matrix<Scalar, B, B> a, Matrix<Scalar, B, B>& inverse) {
   inverse.setZero();

@@ -15,10 +15,38 @@ namespace corotet {
 /// `update(system, executor)` takes new values on the pattern that it was made for, without allocating.
 template <class P, class Scalar>
 concept Preconditioner = requires(P& p, const StepSystem<Scalar>& system, const PaddedField<Scalar>& r,
-                                  PaddedField<Scalar>& z, SerialExecutor& executor) {
+                                  PaddedField<Scalar>& z, ExecutorRef executor) {
   p.update(system, executor);
   { p.apply(r, z, executor) } -> std::same_as<double>;
   { P::error_delay } -> std::convertible_to<int>;
+};
+
+/// Refers to a preconditioner of any type, which must outlive it.
+template <std::floating_point Scalar>
+class PreconditionerRef {
+ public:
+  /// The largest `error_delay` that a preconditioner may ask for.
+  static constexpr int max_error_delay = 16;
+
+  template <Preconditioner<Scalar> P>
+  PreconditionerRef(P& preconditioner)  // NOLINT(google-explicit-constructor): as the preconditioner
+      : object_(&preconditioner), apply_([](void* object, const PaddedField<Scalar>& r, PaddedField<Scalar>& z,
+                                            ExecutorRef executor) {
+          return static_cast<P*>(object)->apply(r, z, executor);
+        }),
+        error_delay_(P::error_delay) {
+    static_assert(P::error_delay >= 0 && P::error_delay <= max_error_delay);
+  }
+
+  double apply(const PaddedField<Scalar>& r, PaddedField<Scalar>& z, ExecutorRef executor) const {
+    return apply_(object_, r, z, executor);
+  }
+  [[nodiscard]] int error_delay() const { return error_delay_; }
+
+ private:
+  void* object_;
+  double (*apply_)(void*, const PaddedField<Scalar>&, PaddedField<Scalar>&, ExecutorRef);
+  int error_delay_;
 };
 
 /// How a solve ended.
@@ -46,7 +74,7 @@ struct SolveReport {
 /// rest positions, m, one a row of the pattern.
 template <class S, class Scalar>
 concept LinearSolver = requires(S& s, const StepSystem<Scalar>& system, const Field<Scalar>& rest, Field<Scalar>& x,
-                                SerialExecutor& executor) {
+                                ExecutorRef executor) {
   s.analyze(system.matrix.shared_pattern(), rest);
   { s.solve(system, x, executor) } -> std::same_as<SolveReport>;
 };

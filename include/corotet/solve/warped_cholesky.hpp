@@ -52,8 +52,7 @@ class WarpedCholesky {
     sum_ = RangeSum(size_of(rest_));
   }
 
-  template <Executor E>
-  void update(const StepSystem<Scalar>& system, E& executor) {
+  void update(const StepSystem<Scalar>& system, ExecutorRef executor) {
     turn(system.displacement, executor);
     if (!renewal_.due(system.era)) return;
     const BlockPattern& p = *pattern_;
@@ -71,8 +70,7 @@ class WarpedCholesky {
     }
   }
 
-  template <Executor E>
-  double apply(const PaddedField<Scalar>& r, PaddedField<Scalar>& z, E& executor) {
+  double apply(const PaddedField<Scalar>& r, PaddedField<Scalar>& z, ExecutorRef executor) {
     if (!usable_) return std::numeric_limits<double>::quiet_NaN();
     renewal_.count();
     for_ranges(executor, size_of(r), RangeSum::grain, [&](Index begin, Index end) {
@@ -105,8 +103,7 @@ class WarpedCholesky {
   }
 
   /// The rotation of each vertex: that of the edges to its neighbours.
-  template <Executor E>
-  void turn(const Field<Scalar>& displacement, E& executor) {
+  void turn(const Field<Scalar>& displacement, ExecutorRef executor) {
     const BlockPattern& p = *pattern_;
     for_ranges(executor, p.rows(), RangeSum::grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) place_[at(i)].set(rest_[at(i)].vector() + displacement[at(i)]);
@@ -141,6 +138,5 @@ class WarpedCholesky {
   bool usable_ = false;
 };
 
-static_assert(Preconditioner<WarpedCholesky<float>, float>);
 
 }  // namespace corotet
