@@ -1,4 +1,5 @@
 // Nothing of this is run: it instantiates the library for compilers with all warnings on.
+#include <corotet/core/eigen.hpp>
 #include <corotet/corotet.hpp>
 template <class S, class E>
 int use() {

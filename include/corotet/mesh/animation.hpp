@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
 #include <limits>
@@ -43,7 +44,7 @@ inline Result<void> validate_frames(const std::vector<Field<double>>& frames, co
 
 template <std::size_t Corners>
 Result<void> validate_indices(const std::vector<std::array<Index, Corners>>& shapes, std::size_t vertices,
-                        std::string_view name) {
+                              std::string_view name) {
   for (std::size_t i = 0; i < shapes.size(); ++i)
     for (const Index v : shapes[i])
       if (v < 0 || at(v) >= vertices)
@@ -85,7 +86,7 @@ inline AnimationBox box_of(const Animation& animation) {
 [[nodiscard]] inline Result<void> validate(const Animation& animation) {
   if (!(animation.frame_seconds > 0) || !std::isfinite(animation.frame_seconds))
     return Error{ErrorCode::invalid_argument, "frame_seconds", "it must be a finite number greater than 0"};
-  if (!all_finite(animation.up) || (animation.up[0] == 0 && animation.up[1] == 0 && animation.up[2] == 0))
+  if (!all_finite(animation.up) || detail::is_zero(animation.up.cwiseAbs().maxCoeff()))
     return Error{ErrorCode::invalid_argument, "up", "it must be finite and not zero"};
   const std::size_t frames = animation.surface_frames.size();
   if (frames == 0) return Error{ErrorCode::empty_mesh, "surface_frames", "there must be at least one frame"};
@@ -99,11 +100,13 @@ inline AnimationBox box_of(const Animation& animation) {
                      " lines; give as many, or none without lines"};
   if (Result<void> status = detail::validate_frames(animation.surface_frames, "surface_frames"); !status) return status;
   if (Result<void> status = detail::validate_frames(animation.line_frames, "line_frames"); !status) return status;
-  if (Result<void> status = detail::validate_indices(animation.triangles, animation.surface_frames[0].size(), "triangle");
+  if (Result<void> status =
+          detail::validate_indices(animation.triangles, animation.surface_frames[0].size(), "triangle");
       !status)
     return status;
   if (!animation.lines.empty())
-    if (Result<void> status = detail::validate_indices(animation.lines, animation.line_frames[0].size(), "line"); !status)
+    if (Result<void> status = detail::validate_indices(animation.lines, animation.line_frames[0].size(), "line");
+        !status)
       return status;
   if (!std::isfinite(detail::box_of(animation).longest))
     return Error{ErrorCode::non_finite_value, "surface_frames", "the size of the whole is beyond the range of double"};

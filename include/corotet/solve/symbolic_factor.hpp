@@ -38,7 +38,7 @@ struct SymbolicFactor {
   }
 
   /// True if the factor can be indexed.
-  [[nodiscard]] bool fits() const { return blocks <= std::size_t{std::numeric_limits<Index>::max()}; }
+  [[nodiscard]] bool fits() const { return blocks <= std::size_t{(std::numeric_limits<Index>::max)()}; }
 
  private:
   void find_upper(const BlockPattern& pattern) {
@@ -80,8 +80,7 @@ struct SymbolicFactor {
     column_start.assign(1, 0);
     for (const Index c : count) {
       blocks += at(c);
-      column_start.push_back(
-          static_cast<Index>((std::min)(blocks, std::size_t{std::numeric_limits<Index>::max()})));
+      column_start.push_back(static_cast<Index>((std::min)(blocks, std::size_t{(std::numeric_limits<Index>::max)()})));
       squares += 1.0 * c * c;
     }
   }
