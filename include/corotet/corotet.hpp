@@ -161,9 +161,9 @@
 #include <corotet/solve/block_cholesky.hpp>
 #include <corotet/solve/block_factor.hpp>
 #include <corotet/solve/block_jacobi.hpp>
-#include <corotet/solve/minimum_degree.hpp>
 #include <corotet/solve/first_guess.hpp>
 #include <corotet/solve/iteration_watch.hpp>
+#include <corotet/solve/minimum_degree.hpp>
 #include <corotet/solve/pcg.hpp>
 #include <corotet/solve/range_sum.hpp>
 #include <corotet/solve/refinement.hpp>

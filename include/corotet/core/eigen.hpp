@@ -1,4 +1,4 @@
-// Fields as Eigen's vectors, for programs that compute with Eigen.
+// Fields and small matrices as Eigen's, for programs that compute with Eigen.
 #pragma once
 
 #include <corotet/core/macros_off.hpp>
@@ -23,6 +23,22 @@ template <std::floating_point Scalar>
 template <std::floating_point Scalar>
 [[nodiscard]] Eigen::Map<const VecX<Scalar>> flat(const Field<Scalar>& field) {
   return {field.empty() ? nullptr : field.front().data(), static_cast<Eigen::Index>(3 * field.size())};
+}
+
+/// A small matrix as Eigen's, where Eigen wants an expression of its own: `Eigen::AngleAxisd(as_eigen(rotation))`,
+/// `dense.block<3, 3>(i, j) = as_eigen(m)`. (To and from Eigen's matrices of the same size it converts by itself.) A
+/// view: valid as long as the matrix, one that is returned by value until the end of the expression.
+template <std::floating_point Scalar, int R, int C>
+[[nodiscard]] Eigen::Map<Eigen::Matrix<Scalar, R, C>> as_eigen(Matrix<Scalar, R, C>& m) {
+  return Eigen::Map<Eigen::Matrix<Scalar, R, C>>(m.data());
+}
+template <std::floating_point Scalar, int R, int C>
+[[nodiscard]] Eigen::Map<const Eigen::Matrix<Scalar, R, C>> as_eigen(const Matrix<Scalar, R, C>& m) {
+  return Eigen::Map<const Eigen::Matrix<Scalar, R, C>>(m.data());
+}
+template <std::floating_point Scalar, int R, int C>
+[[nodiscard]] Eigen::Map<Eigen::Matrix<Scalar, R, C>> as_eigen(const MatrixView<Scalar, R, C>& m) {
+  return Eigen::Map<Eigen::Matrix<Scalar, R, C>>(&m(0, 0));
 }
 
 }  // namespace corotet

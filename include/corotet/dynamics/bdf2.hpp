@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/instances.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/implicit_step.hpp>
 #include <corotet/dynamics/newton_options.hpp>
@@ -39,13 +40,7 @@ class Bdf2 {
   using Scalar = typename Body::scalar_type;
 
   /// Symbolic work and memory for `body` and its copies.
-  explicit Bdf2(const Body& body, Solver solver = Solver(), const NewtonOptions& newton = {})
-      : implicit_(body, std::move(solver), newton),
-        sums_(body.vertex_count()),
-        last_position_(at(body.vertex_count()), Vec3<Scalar>::Zero()),
-        last_velocity_(last_position_),
-        position_(last_position_),
-        velocity_(last_position_) {}
+  explicit Bdf2(const Body& body, Solver solver = Solver(), const NewtonOptions& newton = {});
   Bdf2(const Body& body, const typename Solver::Options& options, const NewtonOptions& newton = {})
       : Bdf2(body, Solver(options), newton) {}
 
@@ -54,24 +49,7 @@ class Bdf2 {
 
   /// Advances `body` by `h` seconds. Whatever happens is in the report; a refused step leaves the body untouched.
   /// `observer` is told of each phase as it begins.
-  StepReport step(Body& body, Scalar h, ExecutorRef executor = {}, PhaseObserver observer = {}) {
-    StepReport report = implicit_.validate(body, h);
-    if (!report.accepted()) return report;
-    if (continues(body, h)) {
-      const Scalar w = h / last_h_;
-      const Scalar ahead = extrapolate(body, h, w * w / (1 + 2 * w), executor);
-      report = implicit_.advance(
-          body, {.c = h * (1 + w) / (1 + 2 * w), .position = position_, .velocity = velocity_, .h = h, .ahead = ahead},
-          executor, observer);
-    } else {
-      report = implicit_.advance(body, backward_euler(body, h), executor, observer);
-    }
-    if (!report.accepted()) return report;
-    implicit_.swap_previous_state(last_position_, last_velocity_);
-    last_h_ = h;
-    motion_ = report.inverted_elements == 0 ? body.motion_revision() : 0;
-    return report;
-  }
+  StepReport step(Body& body, Scalar h, ExecutorRef executor = {}, PhaseObserver observer = {});
 
  private:
   [[nodiscard]] bool continues(const Body& body, Scalar h) const {
@@ -83,32 +61,7 @@ class Bdf2 {
   /// body; nothing once they differ by more than that. Near rest, with h times a frequency of the body above 1, they
   /// do, and the extrapolation would be unstable wherever the stiffness is more than 6/5 of the tangent's: z^3 = g (5/2
   /// z^2 - 2 z + 1/2) for a step's factor z has |z| < 1 for g > -1/5 only, where g = 1 - stiffness / tangent.
-  [[nodiscard]] Scalar extrapolate(const Body& body, Scalar h, Scalar lead, ExecutorRef executor) {
-    const auto sums = sums_(executor, [&](Index begin, Index end) {
-      RangeSums<8>::Sums part{};
-      for (Index i = begin; i < end; ++i) {
-        const Vec3<Scalar>&x = body.displacements()[at(i)], &v = body.velocities()[at(i)];
-        const Vec3<Scalar> moved = x - last_position_[at(i)];
-        position_[at(i)] = x + lead * moved;
-        velocity_[at(i)] = v + lead * (v - last_velocity_[at(i)]);
-        const Vec3<Scalar> mean = moved / last_h_;
-        const Vec3<double> before = mean.template cast<double>(), change = (v - mean).template cast<double>();
-        part[0] += before.squaredNorm();
-        part[1] += change.squaredNorm();
-        for (int k = 0; k < 3; ++k) {
-          part[at(2 + k)] += before[k];
-          part[at(5 + k)] += change[k];
-        }
-      }
-      return part;
-    });
-    const auto spread = [&](std::size_t square, std::size_t first) {  // about the mean
-      const auto sum = Vec3<double>::load(&sums[first]);
-      return std::sqrt((std::max)(0.0, sums[square] - sum.squaredNorm() / body.vertex_count()));
-    };
-    const double before = spread(0, 2), change = spread(1, 5);
-    return h * static_cast<Scalar>(before > 0 ? std::clamp(2 - 2 * change / before, 0.0, 1.0) : 0.0);
-  }
+  [[nodiscard]] Scalar extrapolate(const Body& body, Scalar h, Scalar lead, ExecutorRef executor);
 
   ImplicitStep<Body, Solver> implicit_;
   RangeSums<8> sums_;
@@ -120,5 +73,68 @@ class Bdf2 {
 
 template <class Body>
 Bdf2(const Body&) -> Bdf2<Body>;
+
+// Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
+template <class Body, class Solver>
+  requires LinearSolver<Solver, typename Body::scalar_type>
+Bdf2<Body, Solver>::Bdf2(const Body& body, Solver solver, const NewtonOptions& newton)
+    : implicit_(body, std::move(solver), newton),
+      sums_(body.vertex_count()),
+      last_position_(at(body.vertex_count()), Vec3<Scalar>::Zero()),
+      last_velocity_(last_position_),
+      position_(last_position_),
+      velocity_(last_position_) {}
+
+template <class Body, class Solver>
+  requires LinearSolver<Solver, typename Body::scalar_type>
+StepReport Bdf2<Body, Solver>::step(Body& body, Scalar h, ExecutorRef executor, PhaseObserver observer) {
+  StepReport report = implicit_.validate(body, h);
+  if (!report.accepted()) return report;
+  if (continues(body, h)) {
+    const Scalar w = h / last_h_;
+    const Scalar ahead = extrapolate(body, h, w * w / (1 + 2 * w), executor);
+    report = implicit_.advance(
+        body, {.c = h * (1 + w) / (1 + 2 * w), .position = position_, .velocity = velocity_, .h = h, .ahead = ahead},
+        executor, observer);
+  } else {
+    report = implicit_.advance(body, backward_euler(body, h), executor, observer);
+  }
+  if (!report.accepted()) return report;
+  implicit_.swap_previous_state(last_position_, last_velocity_);
+  last_h_ = h;
+  motion_ = report.inverted_elements == 0 ? body.motion_revision() : 0;
+  return report;
+}
+
+template <class Body, class Solver>
+  requires LinearSolver<Solver, typename Body::scalar_type>
+typename Body::scalar_type Bdf2<Body, Solver>::extrapolate(const Body& body, Scalar h, Scalar lead, ExecutorRef executor) {
+  const auto sums = sums_(executor, [&](Index begin, Index end) {
+    RangeSums<8>::Sums part{};
+    for (Index i = begin; i < end; ++i) {
+      const Vec3<Scalar>&x = body.displacements()[at(i)], &v = body.velocities()[at(i)];
+      const Vec3<Scalar> moved = x - last_position_[at(i)];
+      position_[at(i)] = x + lead * moved;
+      velocity_[at(i)] = v + lead * (v - last_velocity_[at(i)]);
+      const Vec3<Scalar> mean = moved / last_h_;
+      const Vec3<double> before = mean.template cast<double>(), change = (v - mean).template cast<double>();
+      part[0] += before.squaredNorm();
+      part[1] += change.squaredNorm();
+      for (int k = 0; k < 3; ++k) {
+        part[at(2 + k)] += before[k];
+        part[at(5 + k)] += change[k];
+      }
+    }
+    return part;
+  });
+  const auto spread = [&](std::size_t square, std::size_t first) {  // about the mean
+    const auto sum = Vec3<double>::load(&sums[first]);
+    return std::sqrt((std::max)(0.0, sums[square] - sum.squaredNorm() / body.vertex_count()));
+  };
+  const double before = spread(0, 2), change = spread(1, 5);
+  return h * static_cast<Scalar>(before > 0 ? std::clamp(2 - 2 * change / before, 0.0, 1.0) : 0.0);
+}
+
+COROTET_INSTANCES_OF_BODY(Bdf2)
 
 }  // namespace corotet

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <corotet/core/executor.hpp>
+#include <corotet/core/instances.hpp>
 #include <corotet/dynamics/implicit_step.hpp>
 #include <corotet/dynamics/newton_options.hpp>
 #include <corotet/dynamics/soft_body.hpp>
@@ -27,8 +28,7 @@ class ImplicitEuler {
   using Scalar = typename Body::scalar_type;
 
   /// Symbolic work and memory for `body` and its copies.
-  explicit ImplicitEuler(const Body& body, Solver solver = Solver(), const NewtonOptions& newton = {})
-      : implicit_(body, std::move(solver), newton) {}
+  explicit ImplicitEuler(const Body& body, Solver solver = Solver(), const NewtonOptions& newton = {});
   ImplicitEuler(const Body& body, const typename Solver::Options& options, const NewtonOptions& newton = {})
       : ImplicitEuler(body, Solver(options), newton) {}
 
@@ -37,11 +37,7 @@ class ImplicitEuler {
 
   /// Advances `body` by `h` seconds. Whatever happens is in the report; a refused step leaves the body untouched.
   /// `observer` is told of each phase as it begins.
-  StepReport step(Body& body, Scalar h, ExecutorRef executor = {}, PhaseObserver observer = {}) {
-    const StepReport checked = implicit_.validate(body, h);
-    if (!checked.accepted()) return checked;
-    return implicit_.advance(body, backward_euler(body, h), executor, observer);
-  }
+  StepReport step(Body& body, Scalar h, ExecutorRef executor = {}, PhaseObserver observer = {});
 
  private:
   ImplicitStep<Body, Solver> implicit_;
@@ -49,5 +45,21 @@ class ImplicitEuler {
 
 template <class Body>
 ImplicitEuler(const Body&) -> ImplicitEuler<Body>;
+
+// Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
+template <class Body, class Solver>
+  requires LinearSolver<Solver, typename Body::scalar_type>
+ImplicitEuler<Body, Solver>::ImplicitEuler(const Body& body, Solver solver, const NewtonOptions& newton)
+    : implicit_(body, std::move(solver), newton) {}
+
+template <class Body, class Solver>
+  requires LinearSolver<Solver, typename Body::scalar_type>
+StepReport ImplicitEuler<Body, Solver>::step(Body& body, Scalar h, ExecutorRef executor, PhaseObserver observer) {
+  const StepReport checked = implicit_.validate(body, h);
+  if (!checked.accepted()) return checked;
+  return implicit_.advance(body, backward_euler(body, h), executor, observer);
+}
+
+COROTET_INSTANCES_OF_BODY(ImplicitEuler)
 
 }  // namespace corotet

@@ -6,6 +6,7 @@
 #include <corotet/assembly/block_pattern.hpp>
 #include <corotet/assembly/elasticity.hpp>
 #include <corotet/assembly/mass.hpp>
+#include <corotet/core/instances.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/revision.hpp>
 #include <corotet/core/types.hpp>
@@ -41,13 +42,7 @@ class SoftBody {
 
   /// A body at rest in its rest shape, free of pins, gravity and forces.
   /// Errors: invalid_argument for a material (see Materials::check) or negative damping.
-  [[nodiscard]] static Result<SoftBody> create(Mesh mesh, const Materials& materials, const BodyOptions& options = {}) {
-    if (Result<void> s = materials.template validate<Scalar>(at(mesh.element_count())); !s) return s.error();
-    for (const double damping : {options.damping.mass, options.damping.stiffness})
-      if (!std::isfinite(damping) || damping < 0)
-        return Error{ErrorCode::invalid_argument, "damping", "must be >= 0 and finite"};
-    return SoftBody(std::move(mesh), materials, options);
-  }
+  [[nodiscard]] static Result<SoftBody> create(Mesh mesh, const Materials& materials, const BodyOptions& options = {});
 
   [[nodiscard]] const Mesh& mesh() const { return mesh_; }
   [[nodiscard]] const Law& law() const { return law_; }
@@ -64,18 +59,8 @@ class SoftBody {
   [[nodiscard]] Vec3<Scalar> position(Index vertex) const { return mesh_.position(vertex) + displacement_[at(vertex)]; }
 
   /// Replaces the state. Errors: invalid_argument (length), non_finite_value (names the vertex); nothing changes then.
-  Result<void> set_displacements(std::span<const Vec3<Scalar>> displacement) {
-    if (Result<void> s = check_field("displacements", displacement); !s) return s;
-    displacement_.assign(displacement.begin(), displacement.end());
-    revision_ = motion_revision_ = new_revision();
-    return {};
-  }
-  Result<void> set_velocities(std::span<const Vec3<Scalar>> velocity) {
-    if (Result<void> s = check_field("velocities", velocity); !s) return s;
-    velocity_.assign(velocity.begin(), velocity.end());
-    motion_revision_ = new_revision();
-    return {};
-  }
+  Result<void> set_displacements(std::span<const Vec3<Scalar>> displacement);
+  Result<void> set_velocities(std::span<const Vec3<Scalar>> velocity);
 
   /// Vertices held in place or led along a path.
   [[nodiscard]] Pins<Scalar>& pins() { return pins_; }
@@ -109,14 +94,7 @@ class SoftBody {
   [[nodiscard]] std::span<const Vec3<Scalar>> external_forces() const { return external_force_; }
 
   /// New materials. The mass follows. Errors as for `create`; nothing changes then.
-  Result<void> set_materials(const Materials& materials) {
-    if (Result<void> s = materials.template validate<Scalar>(at(mesh_.element_count())); !s) return s;
-    law_.set_materials(materials);
-    mass_ = Mass<Scalar>(mesh_, materials, mass_.model(), *pattern_);
-    crossing_time_ = corotet::crossing_time(thickness_, materials, mesh_.element_count());
-    revision_ = material_revision_ = new_revision();
-    return {};
-  }
+  Result<void> set_materials(const Materials& materials);
 
   /// How long sound takes through the body where it is thin, s: see thickness.
   [[nodiscard]] double crossing_time() const { return crossing_time_; }
@@ -133,40 +111,12 @@ class SoftBody {
   [[nodiscard]] std::uint64_t motion_revision() const { return motion_revision_; }
 
   /// For integrators: takes the new state by exchange of buffers, which must be finite and of the body's length.
-  void swap_state(Field<Scalar>& displacement, Field<Scalar>& velocity) {
-    COROTET_ASSERT(displacement.size() == displacement_.size() && velocity.size() == velocity_.size(),
-                   "the buffers belong to another body");
-    displacement_.swap(displacement);
-    velocity_.swap(velocity);
-    revision_ = motion_revision_ = new_revision();
-  }
+  void swap_state(Field<Scalar>& displacement, Field<Scalar>& velocity);
 
  private:
-  SoftBody(Mesh mesh, const Materials& materials, const BodyOptions& options)
-      : mesh_(std::move(mesh)),
-        law_(mesh_, materials, options.dilatation),
-        pattern_(std::make_shared<const BlockPattern>(
-            BlockPattern::of(mesh_.elements(), mesh_.vertex_count(), law_.vertex_groups()))),
-        mass_(mesh_, materials, options.mass, *pattern_),
-        damping_(options.damping),
-        thickness_(thickness(mesh_)),
-        crossing_time_(corotet::crossing_time(thickness_, materials, mesh_.element_count())),
-        pins_(mesh_.vertex_count()),
-        displacement_(at(mesh_.vertex_count()), Vec3<Scalar>::Zero()),
-        velocity_(displacement_),
-        external_force_(displacement_) {}
+  SoftBody(Mesh mesh, const Materials& materials, const BodyOptions& options);
 
-  [[nodiscard]] Result<void> check_field(const char* name, std::span<const Vec3<Scalar>> field) const {
-    if (field.size() != displacement_.size())
-      return Error{
-          ErrorCode::invalid_argument, name,
-          "there are " + std::to_string(field.size()) + " for " + std::to_string(displacement_.size()) + " vertices"};
-    for (std::size_t v = 0; v < field.size(); ++v)
-      if (!all_finite(field[v]))
-        return Error{ErrorCode::non_finite_value, std::string(name) + " of vertex " + std::to_string(v),
-                     "is not finite"};
-    return {};
-  }
+  [[nodiscard]] Result<void> check_field(const char* name, std::span<const Vec3<Scalar>> field) const;
 
   Mesh mesh_;
   Law law_;
@@ -181,5 +131,80 @@ class SoftBody {
   std::uint64_t material_revision_ = revision_;
   std::uint64_t motion_revision_ = revision_;
 };
+
+// Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
+template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
+SoftBody<Scalar, Element, Rotation>::SoftBody(Mesh mesh, const Materials& materials, const BodyOptions& options)
+    : mesh_(std::move(mesh)),
+      law_(mesh_, materials, options.dilatation),
+      pattern_(std::make_shared<const BlockPattern>(
+          BlockPattern::of(mesh_.elements(), mesh_.vertex_count(), law_.vertex_groups()))),
+      mass_(mesh_, materials, options.mass, *pattern_),
+      damping_(options.damping),
+      thickness_(thickness(mesh_)),
+      crossing_time_(corotet::crossing_time(thickness_, materials, mesh_.element_count())),
+      pins_(mesh_.vertex_count()),
+      displacement_(at(mesh_.vertex_count()), Vec3<Scalar>::Zero()),
+      velocity_(displacement_),
+      external_force_(displacement_) {}
+
+template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
+Result<SoftBody<Scalar, Element, Rotation>> SoftBody<Scalar, Element, Rotation>::create(Mesh mesh, const Materials& materials, const BodyOptions& options) {
+  if (Result<void> s = materials.template validate<Scalar>(at(mesh.element_count())); !s) return s.error();
+  for (const double damping : {options.damping.mass, options.damping.stiffness})
+    if (!std::isfinite(damping) || damping < 0)
+      return Error{ErrorCode::invalid_argument, "damping", "must be >= 0 and finite"};
+  return SoftBody(std::move(mesh), materials, options);
+}
+
+template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
+Result<void> SoftBody<Scalar, Element, Rotation>::set_displacements(std::span<const Vec3<Scalar>> displacement) {
+  if (Result<void> s = check_field("displacements", displacement); !s) return s;
+  displacement_.assign(displacement.begin(), displacement.end());
+  revision_ = motion_revision_ = new_revision();
+  return {};
+}
+
+template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
+Result<void> SoftBody<Scalar, Element, Rotation>::set_velocities(std::span<const Vec3<Scalar>> velocity) {
+  if (Result<void> s = check_field("velocities", velocity); !s) return s;
+  velocity_.assign(velocity.begin(), velocity.end());
+  motion_revision_ = new_revision();
+  return {};
+}
+
+template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
+Result<void> SoftBody<Scalar, Element, Rotation>::set_materials(const Materials& materials) {
+  if (Result<void> s = materials.template validate<Scalar>(at(mesh_.element_count())); !s) return s;
+  law_.set_materials(materials);
+  mass_ = Mass<Scalar>(mesh_, materials, mass_.model(), *pattern_);
+  crossing_time_ = corotet::crossing_time(thickness_, materials, mesh_.element_count());
+  revision_ = material_revision_ = new_revision();
+  return {};
+}
+
+template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
+void SoftBody<Scalar, Element, Rotation>::swap_state(Field<Scalar>& displacement, Field<Scalar>& velocity) {
+  COROTET_ASSERT(displacement.size() == displacement_.size() && velocity.size() == velocity_.size(),
+                 "the buffers belong to another body");
+  displacement_.swap(displacement);
+  velocity_.swap(velocity);
+  revision_ = motion_revision_ = new_revision();
+}
+
+template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
+Result<void> SoftBody<Scalar, Element, Rotation>::check_field(const char* name, std::span<const Vec3<Scalar>> field) const {
+  if (field.size() != displacement_.size())
+    return Error{
+        ErrorCode::invalid_argument, name,
+        "there are " + std::to_string(field.size()) + " for " + std::to_string(displacement_.size()) + " vertices"};
+  for (std::size_t v = 0; v < field.size(); ++v)
+    if (!all_finite(field[v]))
+      return Error{ErrorCode::non_finite_value, std::string(name) + " of vertex " + std::to_string(v),
+                   "is not finite"};
+  return {};
+}
+
+COROTET_INSTANCES_OF_ELEMENT(SoftBody)
 
 }  // namespace corotet

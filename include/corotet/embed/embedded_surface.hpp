@@ -5,6 +5,7 @@
 #include <array>
 #include <corotet/core/assert.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/instances.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/embed/bind.hpp>
@@ -37,90 +38,24 @@ class EmbeddedSurface {
   /// one farther from the mesh's origin than 1e100 m, in float 1e30 m), invalid_argument (number of normals),
   /// unsupported (too many).
   [[nodiscard]] static Result<EmbeddedSurface> bind(const Mesh& mesh, std::span<const Vec3<double>> rest_positions,
-                                                    std::span<const Vec3<double>> rest_normals = {}, ExecutorRef executor = {}) {
-    if (Result<void> status = detail::check_surface(mesh, rest_positions, rest_normals); !status) return status.error();
-    const Index count = size_of(rest_positions);
-    const BoxTree tree = detail::element_tree(mesh);
-    const double rounding = detail::position_rounding<Scalar>(tree.bounds());
-    std::vector<detail::BoundPoint> points(at(count));
-    for_ranges(executor, count, Index{64}, [&](Index begin, Index end) {
-      for (Index v = begin; v < end; ++v)
-        points[at(v)] = detail::bind_point(mesh, tree, rounding, rest_positions[at(v)] - mesh.origin());
-    });
-
-    EmbeddedSurface surface;
-    surface.has_normals_ = !rest_normals.empty();
-    surface.mesh_vertices_ = mesh.vertex_count();
-    const auto normals = detail::unit_normals(rest_normals, surface.replaced_normals_);
-    std::vector<Index> slot_of(at(mesh.element_count()), unused);
-    surface.vertices_.reserve(at(count));
-    for (Index v = 0; v < count; ++v) {
-      const detail::BoundPoint& point = points[at(v)];
-      Index& slot = slot_of[at(point.element)];
-      if (slot == unused) {
-        slot = size_of(surface.elements_);
-        surface.elements_.emplace_back(mesh, point.element);
-      }
-      const Vec3<double> normal = surface.has_normals_ ? normals[at(v)] : Vec3<double>(Vec3<double>::Zero());
-      if (!surface.vertices_.emplace_back(mesh, point, slot, normal).is_finite())
-        return Error{ErrorCode::non_finite_value, "surface vertex " + std::to_string(v),
-                     "it is too far from so small an element for this precision"};
-      surface.boxes_visited_ += point.visited;
-      if (point.distance > 0) {
-        surface.outside_vertices_.push_back(v);
-        surface.largest_distance_ = (std::max)(surface.largest_distance_, point.distance);
-      }
-    }
-    surface.motions_.resize(surface.elements_.size());
-    return surface;
-  }
+                                                    std::span<const Vec3<double>> rest_normals = {},
+                                                    ExecutorRef executor = {});
 
   /// The same for a triangle surface. Where it has no normals, its vertices get the angle-weighted normals of its
   /// triangles. Further errors: index_out_of_range (names the triangle).
-  [[nodiscard]] static Result<EmbeddedSurface> bind(const Mesh& mesh, const SurfaceMesh& surface, ExecutorRef executor = {}) {
-    if (Result<void> status = detail::check_triangles(surface); !status) return status.error();
-    if (!surface.normals.empty() || surface.triangles.empty())
-      return bind(mesh, surface.positions, surface.normals, executor);
-    if (Result<void> status = detail::check_surface(mesh, surface.positions, {}); !status) return status.error();
-    return bind(mesh, surface.positions, vertex_normals(surface), executor);
-  }
+  [[nodiscard]] static Result<EmbeddedSurface> bind(const Mesh& mesh, const SurfaceMesh& surface,
+                                                    ExecutorRef executor = {});
 
   /// Writes positions and normals that belong to the displacements `u` (m, one a mesh vertex, relative to its rest
   /// position) into `out`. A normal that the motion makes undefined (the body crushed to a line or a point there) is
   /// written as the rest normal. `out` must have one vertex for each bound vertex; normals need bound normals.
-  void update(std::span<const Vec3<Scalar>> u, const VertexBuffer& out, ExecutorRef executor = {}) {
-    COROTET_ASSERT(out.data != nullptr && out.count == vertex_count(), "the buffer needs one vertex per bound vertex");
-    COROTET_ASSERT(out.fits(out.position_offset) && out.fits(out.normal_offset), "an attribute exceeds the stride");
-    const detail::Wide<Scalar> translation = detail::widen<Scalar>(out.translation.template cast<Scalar>());
-    const auto position = [&](Index v, const detail::Wide<Scalar>& x) {
-      detail::store<Scalar>(out.data + at(v) * out.stride + out.position_offset, x + translation);
-    };
-    const auto normal = [&](Index v, const detail::Wide<Scalar>& n) {
-      detail::store<Scalar>(out.data + at(v) * out.stride + out.normal_offset, n);
-    };
-    const bool with_positions = out.position_offset != VertexBuffer::none;
-    const bool with_normals = out.normal_offset != VertexBuffer::none;
-    if (with_positions && with_normals)
-      deform<true>(u, executor, position, normal);
-    else if (with_positions)
-      deform<false>(u, executor, position, nothing);
-    else if (with_normals)
-      deform<true>(u, executor, nothing, normal);
-  }
+  void update(std::span<const Vec3<Scalar>> u, const VertexBuffer& out, ExecutorRef executor = {});
 
   /// Positions alone, m, relative to the mesh's origin: one a bound vertex.
-  void positions(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out) {
-    COROTET_ASSERT(size_of(out) == vertex_count(), "out needs one entry per bound vertex");
-    const auto write = [&](Index v, const detail::Wide<Scalar>& x) { out[at(v)] = x.template head<3>(); };
-    deform<false>(u, {}, write, nothing);
-  }
+  void positions(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out);
 
   /// Unit normals alone.
-  void normals(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out) {
-    COROTET_ASSERT(size_of(out) == vertex_count(), "out needs one entry per bound vertex");
-    const auto write = [&](Index v, const detail::Wide<Scalar>& n) { out[at(v)] = n.template head<3>(); };
-    deform<true>(u, {}, nothing, write);
-  }
+  void normals(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out);
 
   [[nodiscard]] Index vertex_count() const { return size_of(vertices_); }
   [[nodiscard]] bool has_normals() const { return has_normals_; }
@@ -188,5 +123,91 @@ class EmbeddedSurface {
   Index replaced_normals_ = 0;
   bool has_normals_ = false;
 };
+
+// Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
+template <std::floating_point Scalar, ReferenceElement Element>
+Result<EmbeddedSurface<Scalar, Element>> EmbeddedSurface<Scalar, Element>::bind(const Mesh& mesh, std::span<const Vec3<double>> rest_positions, std::span<const Vec3<double>> rest_normals, ExecutorRef executor) {
+  if (Result<void> status = detail::check_surface(mesh, rest_positions, rest_normals); !status) return status.error();
+  const Index count = size_of(rest_positions);
+  const BoxTree tree = detail::element_tree(mesh);
+  const double rounding = detail::position_rounding<Scalar>(tree.bounds());
+  std::vector<detail::BoundPoint> points(at(count));
+  for_ranges(executor, count, Index{64}, [&](Index begin, Index end) {
+    for (Index v = begin; v < end; ++v)
+      points[at(v)] = detail::bind_point(mesh, tree, rounding, rest_positions[at(v)] - mesh.origin());
+  });
+
+  EmbeddedSurface surface;
+  surface.has_normals_ = !rest_normals.empty();
+  surface.mesh_vertices_ = mesh.vertex_count();
+  const auto normals = detail::unit_normals(rest_normals, surface.replaced_normals_);
+  std::vector<Index> slot_of(at(mesh.element_count()), unused);
+  surface.vertices_.reserve(at(count));
+  for (Index v = 0; v < count; ++v) {
+    const detail::BoundPoint& point = points[at(v)];
+    Index& slot = slot_of[at(point.element)];
+    if (slot == unused) {
+      slot = size_of(surface.elements_);
+      surface.elements_.emplace_back(mesh, point.element);
+    }
+    const Vec3<double> normal = surface.has_normals_ ? normals[at(v)] : Vec3<double>(Vec3<double>::Zero());
+    if (!surface.vertices_.emplace_back(mesh, point, slot, normal).is_finite())
+      return Error{ErrorCode::non_finite_value, "surface vertex " + std::to_string(v),
+                   "it is too far from so small an element for this precision"};
+    surface.boxes_visited_ += point.visited;
+    if (point.distance > 0) {
+      surface.outside_vertices_.push_back(v);
+      surface.largest_distance_ = (std::max)(surface.largest_distance_, point.distance);
+    }
+  }
+  surface.motions_.resize(surface.elements_.size());
+  return surface;
+}
+
+template <std::floating_point Scalar, ReferenceElement Element>
+Result<EmbeddedSurface<Scalar, Element>> EmbeddedSurface<Scalar, Element>::bind(const Mesh& mesh, const SurfaceMesh& surface, ExecutorRef executor) {
+  if (Result<void> status = detail::check_triangles(surface); !status) return status.error();
+  if (!surface.normals.empty() || surface.triangles.empty())
+    return bind(mesh, surface.positions, surface.normals, executor);
+  if (Result<void> status = detail::check_surface(mesh, surface.positions, {}); !status) return status.error();
+  return bind(mesh, surface.positions, vertex_normals(surface), executor);
+}
+
+template <std::floating_point Scalar, ReferenceElement Element>
+void EmbeddedSurface<Scalar, Element>::update(std::span<const Vec3<Scalar>> u, const VertexBuffer& out, ExecutorRef executor) {
+  COROTET_ASSERT(out.data != nullptr && out.count == vertex_count(), "the buffer needs one vertex per bound vertex");
+  COROTET_ASSERT(out.fits(out.position_offset) && out.fits(out.normal_offset), "an attribute exceeds the stride");
+  const detail::Wide<Scalar> translation = detail::widen<Scalar>(out.translation.template cast<Scalar>());
+  const auto position = [&](Index v, const detail::Wide<Scalar>& x) {
+    detail::store<Scalar>(out.data + at(v) * out.stride + out.position_offset, x + translation);
+  };
+  const auto normal = [&](Index v, const detail::Wide<Scalar>& n) {
+    detail::store<Scalar>(out.data + at(v) * out.stride + out.normal_offset, n);
+  };
+  const bool with_positions = out.position_offset != VertexBuffer::none;
+  const bool with_normals = out.normal_offset != VertexBuffer::none;
+  if (with_positions && with_normals)
+    deform<true>(u, executor, position, normal);
+  else if (with_positions)
+    deform<false>(u, executor, position, nothing);
+  else if (with_normals)
+    deform<true>(u, executor, nothing, normal);
+}
+
+template <std::floating_point Scalar, ReferenceElement Element>
+void EmbeddedSurface<Scalar, Element>::positions(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out) {
+  COROTET_ASSERT(size_of(out) == vertex_count(), "out needs one entry per bound vertex");
+  const auto write = [&](Index v, const detail::Wide<Scalar>& x) { out[at(v)] = x.template head<3>(); };
+  deform<false>(u, {}, write, nothing);
+}
+
+template <std::floating_point Scalar, ReferenceElement Element>
+void EmbeddedSurface<Scalar, Element>::normals(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out) {
+  COROTET_ASSERT(size_of(out) == vertex_count(), "out needs one entry per bound vertex");
+  const auto write = [&](Index v, const detail::Wide<Scalar>& n) { out[at(v)] = n.template head<3>(); };
+  deform<true>(u, {}, nothing, write);
+}
+
+COROTET_INSTANCES_OF_ELEMENT(EmbeddedSurface)
 
 }  // namespace corotet

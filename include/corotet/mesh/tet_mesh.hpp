@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <corotet/core/instances.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/reference_element.hpp>
@@ -31,36 +32,7 @@ class TetMesh {
   /// Errors: empty_mesh, invalid_argument (wrong nodes_per_element: see raise_order and lower_order; array lengths),
   /// index_out_of_range, duplicate_node, unreferenced_vertex (see remove_unreferenced), non_finite_value,
   /// degenerate_element, unsupported (too large for 32-bit indices); each names the element or vertex.
-  [[nodiscard]] static Result<TetMesh> create(MeshData data, const Vec3<double>& origin = Vec3<double>::Zero()) {
-    if (Result<void> status = detail::check_arrays(data, Element::nodes); !status) return status.error();
-
-    TetMesh mesh;
-    mesh.origin_ = origin;
-    mesh.positions_.reserve(data.positions.size());
-    for (Vec3<double>& x : data.positions) {
-      mesh.positions_.push_back((x - origin).template cast<Scalar>());
-      if (!mesh.positions_.back().allFinite())
-        return Error{ErrorCode::non_finite_value, detail::vertex_name(size_of(mesh.positions_) - 1),
-                     "its position is not a finite number in this precision"};
-      x = mesh.positions_.back().template cast<double>();  // volumes are judged on what is kept
-    }
-
-    mesh.elements_.resize(data.connectivity.size() / Element::nodes);
-    for (Index e = 0; e < mesh.element_count(); ++e) {
-      Nodes& nodes = mesh.elements_[at(e)];
-      std::copy_n(data.connectivity.begin() + std::ptrdiff_t{e} * Element::nodes, Element::nodes, nodes.begin());
-      const double volume = detail::corner_volume(data.positions, nodes.data());
-      if (volume < 0) {
-        detail::turn_round(nodes);
-        ++mesh.flipped_elements_;
-      }
-      const auto epsilon = static_cast<double>(std::numeric_limits<Scalar>::epsilon());
-      if (Result<void> status = detail::check_volume<Element>(data.positions, nodes, e, epsilon); !status)
-        return status.error();
-    }
-    mesh.regions_ = std::move(data.regions);
-    return mesh;
-  }
+  [[nodiscard]] static Result<TetMesh> create(MeshData data, const Vec3<double>& origin = Vec3<double>::Zero());
 
   [[nodiscard]] Index vertex_count() const { return size_of(positions_); }
   [[nodiscard]] Index element_count() const { return size_of(elements_); }
@@ -90,16 +62,7 @@ class TetMesh {
   [[nodiscard]] Index flipped_elements() const { return flipped_elements_; }
 
   /// The mesh as unchecked data in double, in the coordinates given to `create`: for writers and converters.
-  [[nodiscard]] MeshData data() const {
-    MeshData out;
-    out.nodes_per_element = Element::nodes;
-    out.positions.reserve(positions_.size());
-    for (const Vec3<Scalar>& x : positions_) out.positions.push_back(x.template cast<double>() + origin_);
-    out.connectivity.reserve(elements_.size() * Element::nodes);
-    for (const Nodes& nodes : elements_) out.connectivity.insert(out.connectivity.end(), nodes.begin(), nodes.end());
-    out.regions = regions_;
-    return out;
-  }
+  [[nodiscard]] MeshData data() const;
 
  private:
   TetMesh() = default;
@@ -110,5 +73,52 @@ class TetMesh {
   Vec3<double> origin_ = Vec3<double>::Zero();
   Index flipped_elements_ = 0;
 };
+
+// Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
+template <std::floating_point Scalar, ReferenceElement Element>
+Result<TetMesh<Scalar, Element>> TetMesh<Scalar, Element>::create(MeshData data, const Vec3<double>& origin) {
+  if (Result<void> status = detail::check_arrays(data, Element::nodes); !status) return status.error();
+
+  TetMesh mesh;
+  mesh.origin_ = origin;
+  mesh.positions_.reserve(data.positions.size());
+  for (Vec3<double>& x : data.positions) {
+    mesh.positions_.push_back((x - origin).template cast<Scalar>());
+    if (!mesh.positions_.back().allFinite())
+      return Error{ErrorCode::non_finite_value, detail::vertex_name(size_of(mesh.positions_) - 1),
+                   "its position is not a finite number in this precision"};
+    x = mesh.positions_.back().template cast<double>();  // volumes are judged on what is kept
+  }
+
+  mesh.elements_.resize(data.connectivity.size() / Element::nodes);
+  for (Index e = 0; e < mesh.element_count(); ++e) {
+    Nodes& nodes = mesh.elements_[at(e)];
+    std::copy_n(data.connectivity.begin() + std::ptrdiff_t{e} * Element::nodes, Element::nodes, nodes.begin());
+    const double volume = detail::corner_volume(data.positions, nodes.data());
+    if (volume < 0) {
+      detail::turn_round(nodes);
+      ++mesh.flipped_elements_;
+    }
+    const auto epsilon = static_cast<double>(std::numeric_limits<Scalar>::epsilon());
+    if (Result<void> status = detail::check_volume<Element>(data.positions, nodes, e, epsilon); !status)
+      return status.error();
+  }
+  mesh.regions_ = std::move(data.regions);
+  return mesh;
+}
+
+template <std::floating_point Scalar, ReferenceElement Element>
+MeshData TetMesh<Scalar, Element>::data() const {
+  MeshData out;
+  out.nodes_per_element = Element::nodes;
+  out.positions.reserve(positions_.size());
+  for (const Vec3<Scalar>& x : positions_) out.positions.push_back(x.template cast<double>() + origin_);
+  out.connectivity.reserve(elements_.size() * Element::nodes);
+  for (const Nodes& nodes : elements_) out.connectivity.insert(out.connectivity.end(), nodes.begin(), nodes.end());
+  out.regions = regions_;
+  return out;
+}
+
+COROTET_INSTANCES_OF_ELEMENT(TetMesh)
 
 }  // namespace corotet

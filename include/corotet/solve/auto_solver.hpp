@@ -5,6 +5,7 @@
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/deep_pointer.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/instances.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/block_cholesky.hpp>
 #include <corotet/solve/block_jacobi.hpp>
@@ -84,25 +85,10 @@ class AutoSolver {
     return parts_->pcg.solve(system, preconditioner, x, {options_.tolerance, options_.max_iterations}, executor);
   }
 
-  SolveReport solve_directly(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor) {
-    std::fill(x.begin(), x.end(), Vec3<Scalar>::Zero());
-    if (!is_tolerance(options_.tolerance)) return {SolveStatus::invalid_options, 0, 1.0};
-    for (Index k = 0; k < system.matrix.pattern().blocks(); ++k)
-      parts_->in_double.block(k) = system.matrix.block(k).template cast<double>();
-    if (!parts_->cholesky.factorize(parts_->in_double)) return {SolveStatus::breakdown, 0, 1.0};
-    parts_->factor.assign(parts_->cholesky.factor());
-    const auto factor = [this](const Field<Scalar>& r, Field<Scalar>& y) { parts_->factor.solve(r, y); };
-    return parts_->refinement.solve(system.matrix, factor, system.right_side, x, options_.tolerance, executor);
-  }
+  SolveReport solve_directly(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor);
 
   /// Whether the factor of the whole body would have been cheaper than solves of so many iterations.
-  void compare(std::optional<double> iterations) {
-    if (!iterations) return;
-    predicted_products_ = cost_.rigid_aggregates(double(parts_->rigid.factor_blocks()), *iterations);
-    if (warped_products_ >= predicted_products_) return;
-    predicted_products_ = warped_products_;
-    preconditioner_ = PreconditionerKind::warped_cholesky;
-  }
+  void compare(std::optional<double> iterations);
 
   void choose_preconditioner(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest);
 
@@ -130,8 +116,7 @@ class AutoSolver {
   detail::DeepPointer<Parts> parts_;
 };
 
-// The two below are not in the class, where they would be inline and compiled wherever they are called: so a program
-// can compile them once, with explicit instantiations.
+// Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
 template <std::floating_point Scalar>
 void AutoSolver<Scalar>::analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest) {
   *this = AutoSolver(options_);
@@ -198,5 +183,28 @@ SolveReport AutoSolver<Scalar>::solve(const StepSystem<Scalar>& system, Field<Sc
   return solve_by(parts_->diagonal, system, x, executor);
 }
 
+
+template <std::floating_point Scalar>
+SolveReport AutoSolver<Scalar>::solve_directly(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor) {
+  std::fill(x.begin(), x.end(), Vec3<Scalar>::Zero());
+  if (!is_tolerance(options_.tolerance)) return {SolveStatus::invalid_options, 0, 1.0};
+  for (Index k = 0; k < system.matrix.pattern().blocks(); ++k)
+    parts_->in_double.block(k) = system.matrix.block(k).template cast<double>();
+  if (!parts_->cholesky.factorize(parts_->in_double)) return {SolveStatus::breakdown, 0, 1.0};
+  parts_->factor.assign(parts_->cholesky.factor());
+  const auto factor = [this](const Field<Scalar>& r, Field<Scalar>& y) { parts_->factor.solve(r, y); };
+  return parts_->refinement.solve(system.matrix, factor, system.right_side, x, options_.tolerance, executor);
+}
+
+template <std::floating_point Scalar>
+void AutoSolver<Scalar>::compare(std::optional<double> iterations) {
+  if (!iterations) return;
+  predicted_products_ = cost_.rigid_aggregates(double(parts_->rigid.factor_blocks()), *iterations);
+  if (warped_products_ >= predicted_products_) return;
+  predicted_products_ = warped_products_;
+  preconditioner_ = PreconditionerKind::warped_cholesky;
+}
+
+COROTET_INSTANCES_OF_SCALAR(AutoSolver)
 
 }  // namespace corotet
