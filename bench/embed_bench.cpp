@@ -50,7 +50,7 @@ void update(benchmark::State& state) {
   make_skin(positions, normals);
   auto surface = EmbeddedSurface<Scalar, Element>::bind(mesh, positions, normals).value();
   Field<Scalar> u;
-  for (const Vec3<Scalar>& x : mesh.positions()) u.push_back(Scalar(0.1) * x.cwiseAbs2());
+  for (const Vec3<Scalar>& x : mesh.positions()) u.push_back(Scalar(0.1) * x.cwiseProduct(x));
   std::vector<std::byte> bytes(24 * positions.size());
   const VertexBuffer buffer{bytes.data(), 24, size_of(positions), 0, 12};
   for (auto _ : state) {

@@ -59,7 +59,7 @@ MeshData without_flat_cells(MeshData mesh, double edge_length) {
   std::vector<Index> kept;
   for (std::size_t first = 0; first < mesh.connectivity.size(); first += 4) {
     const Index* cell = &mesh.connectivity[first];
-    const auto edge = [&](int a) { return (mesh.positions[at(cell[a])] - mesh.positions[at(cell[0])]).eval(); };
+    const auto edge = [&](int a) { return mesh.positions[at(cell[a])] - mesh.positions[at(cell[0])]; };
     if (std::abs(edge(1).cross(edge(2)).dot(edge(3))) / 6 >= least_volume) kept.insert(kept.end(), cell, cell + 4);
   }
   const std::size_t left_out = (mesh.connectivity.size() - kept.size()) / 4;

@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <corotet/core/eigen.hpp>
 #include <corotet/corotet.hpp>
 #include <cstdio>
 #include <cstdlib>
@@ -36,14 +37,14 @@ using Vec9 = Eigen::Matrix<double, 9, 1>;
 
 Mat3<double> cofactor(const Mat3<double>& f) {
   Mat3<double> c;
-  for (int i = 0; i < 3; ++i) c.col(i) = f.col((i + 1) % 3).cross(f.col((i + 2) % 3));
+  for (int i = 0; i < 3; ++i) c.set_col(i, f.col((i + 1) % 3).cross(f.col((i + 2) % 3)));
   return c;
 }
 
 /// The rotation nearest to F, also where det F < 0.
 Mat3<double> nearest_rotation(const Mat3<double>& f) {
-  const Eigen::JacobiSVD<Mat3<double>> svd(f, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Mat3<double> u = svd.matrixU();
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(as_eigen(f), Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d u = svd.matrixU();
   if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) *= -1;
   return u * svd.matrixV().transpose();
 }
@@ -196,11 +197,11 @@ bool comes_to_rest(int steps, const Field<double>& velocity, Tally& tally, Advan
   return quiet == 20;
 }
 
-/// A quadrature point of an element: dN/dX of its nodes (3 x nodes, 1/m), and its volume, m^3.
+/// A quadrature point of an element: dN/dX of its nodes, 1/m, and its volume, m^3.
 template <class Element>
 struct Point {
   Index element;
-  Eigen::Matrix<double, 3, Element::nodes> gradient;
+  std::array<Vec3<double>, Element::nodes> gradient;
   double volume;
 };
 
@@ -222,8 +223,8 @@ class NewtonBody {
             jacobian(natural, [&](std::size_t a) { return problem.mesh.node_position(e, a); });
         Point<Element> point{e, {}, Element::stiffness_points[q].weight * to_space.determinant()};
         const Mat3<double> to_natural = to_space.transpose().inverse();
-        for (int a = 0; a < Element::nodes; ++a)
-          point.gradient.col(a) = to_natural * Eigen::Map<const Vec3<double>>(natural[at(a)].data());
+        for (std::size_t a = 0; a < Element::nodes; ++a)
+          point.gradient[a] = to_natural * Vec3<double>::load(natural[a].data());
         points_.push_back(point);
       }
   }
@@ -236,11 +237,10 @@ class NewtonBody {
   }
 
  private:
-  /// F^T at a point is gradient (3 x nodes) times the nodes' positions (nodes x 3).
   [[nodiscard]] Mat3<double> deformation(const Point<Element>& point, const Field<double>& x) const {
     Mat3<double> f = Mat3<double>::Zero();
-    for (int a = 0; a < Element::nodes; ++a)
-      f += x[at(problem_.mesh.element(point.element)[at(a)])] * point.gradient.col(a).transpose();
+    for (std::size_t a = 0; a < Element::nodes; ++a)
+      f += x[at(problem_.mesh.element(point.element)[a])] * point.gradient[a].transpose();
     return f;
   }
 
@@ -281,7 +281,7 @@ class NewtonBody {
       for (std::size_t v = 0; v < x_.size(); ++v) {
         if (slot_[v] < 0) continue;
         const double inertia = mass_[v] / (step * step);
-        gradient.segment<3>(3 * slot_[v]) += inertia * (x_[v] - ahead[v]);
+        gradient.segment<3>(3 * slot_[v]) += inertia * as_eigen(x_[v] - ahead[v]);
         matrix.diagonal().segment<3>(3 * slot_[v]).array() += inertia;
       }
       for (const auto& point : points_) add(point, gradient, matrix);
@@ -291,7 +291,7 @@ class NewtonBody {
       bool lower = false;
       for (double fraction = 1; !lower && fraction > 1e-4; fraction /= 2) {
         for (std::size_t v = 0; v < x_.size(); ++v)
-          if (slot_[v] >= 0) x_[v] = from[v] + fraction * change.template segment<3>(3 * slot_[v]);
+          if (slot_[v] >= 0) x_[v] = from[v] + Vec3<double>(fraction * change.template segment<3>(3 * slot_[v]));
         lower = potential(x_, ahead) <= at_start + 1e-4 * fraction * slope;
       }
       if (!lower) x_ = from;
@@ -304,17 +304,17 @@ class NewtonBody {
   void add(const Point<Element>& point, Eigen::VectorXd& gradient, Eigen::MatrixXd& matrix) const {
     const Mat3<double> f = deformation(point, x_), stress = point.volume * law_.stress(f);
     const Mat9 h = point.volume * hessian(f);
-    for (int a = 0; a < Element::nodes; ++a) {
-      const int i = slot_[at(problem_.mesh.element(point.element)[at(a)])];
+    for (std::size_t a = 0; a < Element::nodes; ++a) {
+      const int i = slot_[at(problem_.mesh.element(point.element)[a])];
       if (i < 0) continue;
-      gradient.segment<3>(3 * i) += stress * point.gradient.col(a);
-      for (int b = 0; b < Element::nodes; ++b) {
-        const int j = slot_[at(problem_.mesh.element(point.element)[at(b)])];
+      gradient.segment<3>(3 * i) += as_eigen(stress * point.gradient[a]);
+      for (std::size_t b = 0; b < Element::nodes; ++b) {
+        const int j = slot_[at(problem_.mesh.element(point.element)[b])];
         if (j < 0) continue;
         for (int k = 0; k < 3; ++k)
           for (int l = 0; l < 3; ++l)
             matrix.block<3, 3>(3 * i, 3 * j) +=
-                point.gradient(k, a) * point.gradient(l, b) * h.block<3, 3>(3 * k, 3 * l);
+                point.gradient[a][k] * point.gradient[b][l] * h.block<3, 3>(3 * k, 3 * l);
       }
     }
   }

@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <corotet/assembly/assemble.hpp>
+#include <corotet/core/eigen.hpp>
 #include <corotet/solve/block_cholesky.hpp>
 #include <cstdio>
 

@@ -12,6 +12,7 @@
 #include <corotet/rotation/gram_schmidt.hpp>
 #include <corotet/rotation/identity.hpp>
 #include <corotet/rotation/polar.hpp>
+#include <corotet/rotation/quaternion.hpp>
 #include <cstdio>
 #include <cstdlib>
 
@@ -97,14 +98,16 @@ class Cube {
 template <RotationExtractor Rotation>
 void turned(double degrees) {
   Cube<Rotation> cube(1);
-  cube.deform(Eigen::AngleAxisd(degrees * pi / 180, Vec3<double>(1, 2, 3).normalized()).toRotationMatrix());
+  cube.deform(rotation_by(degrees * pi / 180 * Vec3<double>(1, 2, 3).normalized()));
   std::printf(" %.2e | %.2e |", cube.elastic_energy(), cube.largest_force());
 }
 
 /// A strain of about `size`, with no axis of symmetry.
 Mat3<double> strained(double size) {
   Mat3<double> gradient;
-  gradient << 0.5, 1, 0, 0, -0.5, 0.3, 0.2, 0, 0.1;
+  gradient.set_row(0, {0.5, 1, 0});
+  gradient.set_row(1, {0, -0.5, 0.3});
+  gradient.set_row(2, {0.2, 0, 0.1});
   return Mat3<double>::Identity() + size * gradient;
 }
 

@@ -41,7 +41,8 @@ template <class Body>
 double spmv(const Body& body) {
   using Scalar = typename Body::scalar_type;
   BlockMatrix<Scalar> matrix(body.pattern());
-  for (Index k = 0; k < body.pattern()->blocks(); ++k) matrix.block(k).setConstant(Scalar(1) / Scalar(k + 1));
+  for (Index k = 0; k < body.pattern()->blocks(); ++k)
+    matrix.block(k) = Mat3<Scalar>::Constant(Scalar(1) / Scalar(k + 1));
   Field<Scalar> x(at(body.vertex_count()), Vec3<Scalar>::Ones()), y(x);
   SerialExecutor serial;
   std::vector<double> times;

@@ -59,9 +59,9 @@ MeshData make_shape(const MeshCommandOptions& options) {
   BlockOptions block;
   block.size = beam ? Vec3<double>(1, 0.2, 0.2) : Vec3<double>(1, 1, 1);
   block.cells = beam ? std::array<Index, 3>{10, 2, 2} : std::array<Index, 3>{4, 4, 4};
-  if (!options.size.empty()) block.size = Eigen::Map<const Vec3<double>>(options.size.data());
+  if (!options.size.empty()) block.size = Vec3<double>::load(options.size.data());
   if (!options.cells.empty()) block.cells = {options.cells[0], options.cells[1], options.cells[2]};
-  block.corner = Eigen::Map<const Vec3<double>>(options.corner.data());
+  block.corner = Vec3<double>::load(options.corner.data());
   block.split = options.split == "kuhn6" ? BlockSplit::kuhn6 : BlockSplit::alternating5;
   block.order = options.order == 0 ? 1 : options.order;
   return require(make_block(block));

@@ -101,7 +101,7 @@ void ObjectReader::vector(std::string_view key, Vec3<double>& value) {
   const Json* member = find(key);
   if (member == nullptr) return;
   if (const auto numbers = read_numbers(*member, 3, path_of(key), problems_))
-    value = Eigen::Map<const Vec3<double>>(numbers->data());
+    value = Vec3<double>::load(numbers->data());
 }
 
 std::optional<std::size_t> ObjectReader::choice_index(std::string_view key, const std::vector<std::string>& names,

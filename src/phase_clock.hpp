@@ -6,7 +6,7 @@
 
 namespace corotet::program {
 
-/// A StepObserver with a clock: start it before a step, stop it after.
+/// Observes the phases of a step with a clock: start it before a step, stop it after.
 class PhaseClock {
  public:
   void start() {
@@ -42,7 +42,5 @@ class PhaseClock {
   double total_ms_ = 0, solve_ms_ = 0;
   bool in_solve_ = false;
 };
-
-static_assert(StepObserver<PhaseClock>);
 
 }  // namespace corotet::program

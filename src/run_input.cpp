@@ -45,7 +45,7 @@ std::vector<Index> vertices_in(const MeshData& mesh, const Box& box) {
   std::vector<Index> inside;
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     const Vec3<double>& x = mesh.positions[at(v)];
-    if ((x.array() >= box.least.array()).all() && (x.array() <= box.most.array()).all()) inside.push_back(v);
+    if (x.cwiseMax(box.least) == x && x.cwiseMin(box.most) == x) inside.push_back(v);
   }
   return inside;
 }

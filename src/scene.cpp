@@ -44,7 +44,7 @@ std::vector<PathPoint> read_pin_path(ObjectReader& in) {
     if (!numbers) return;
     if (!path.empty() && (*numbers)[0] <= path.back().time)
       in.problems().add(where, fmt::format("times must ascend, {} follows {}", (*numbers)[0], path.back().time));
-    path.push_back({(*numbers)[0], Eigen::Map<const Vec3<double>>(numbers->data() + 1)});
+    path.push_back({(*numbers)[0], Vec3<double>::load(numbers->data() + 1)});
   });
   return path;
 }
@@ -54,10 +54,10 @@ std::optional<std::pair<Vec3<double>, Vec3<double>>> read_box(ObjectReader& in, 
   std::vector<Vec3<double>> corners;
   in.list("box", [&](const Json& corner, const std::string& where) {
     if (const auto numbers = read_numbers(corner, 3, where, in.problems()))
-      corners.emplace_back(Eigen::Map<const Vec3<double>>(numbers->data()));
+      corners.emplace_back(Vec3<double>::load(numbers->data()));
   });
   if (corners.size() == 2) {
-    if ((corners[0].array() > corners[1].array()).any())
+    if (corners[0].cwiseMin(corners[1]) != corners[0])
       in.problems().add(in.path_of("box"), "its first corner must not lie above its second along any axis");
     return std::pair(corners[0], corners[1]);
   }

@@ -2,9 +2,7 @@
 
 namespace corotet {
 
-template void AutoSolver<float>::analyze(const std::shared_ptr<const BlockPattern>&, const Field<float>&);
-template void AutoSolver<double>::analyze(const std::shared_ptr<const BlockPattern>&, const Field<double>&);
-template SolveReport AutoSolver<float>::solve(const StepSystem<float>&, Field<float>&, program::ThreadPool&);
-template SolveReport AutoSolver<double>::solve(const StepSystem<double>&, Field<double>&, program::ThreadPool&);
+template class AutoSolver<float>;
+template class AutoSolver<double>;
 
 }  // namespace corotet

@@ -83,7 +83,7 @@ std::optional<BlockOptions> find_grid(const MeshData& linear) {
   }
   const auto [nx, ny, nz] = block.cells;
   if ((double{1} + nx) * (double{1} + ny) * (double{1} + nz) != double(linear.vertex_count())) return std::nullopt;
-  if (std::abs(volume_of(linear) / block.size.prod() - 1) > 1e-6) return std::nullopt;
+  if (std::abs(volume_of(linear) / (block.size.x() * block.size.y() * block.size.z()) - 1) > 1e-6) return std::nullopt;
   block.split = BlockSplit::kuhn6;
   if (linear.element_count() == element_count(block)) return block;
   block.split = BlockSplit::alternating5;

@@ -1,7 +1,7 @@
 // Ten thousand steps: energy that grows, drift and jitter show in the end.
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <corotet/rotation/quaternion.hpp>
 #include <limits>
 #include <numbers>
 #include <vector>
@@ -54,7 +54,7 @@ Verdict spin_long(const Configuration& configuration, int steps) {
   const Scene scene = configuration.scene();
   Trial trial(scene, coarse_block(configuration.order));
   const Vec3<double> centre = trial.centre();
-  trial.push([&](Index v) { return Vec3<double>(0, 0, 0.1 / scene.dt).cross(trial.rest(v) - centre).eval(); });
+  trial.push([&](Index v) { return Vec3<double>(0, 0, 0.1 / scene.dt).cross(trial.rest(v) - centre); });
   const double at_first = trial.energy(), momentum = trial.angular_momentum().norm();
   EnergyWatch energy, later;
   energy.see(at_first);
@@ -111,7 +111,7 @@ Verdict lead(const Configuration& configuration, int steps, double turns) {
       const Vec3<double> arm(0, trial.rest(v).y(), trial.rest(v).z());
       const Vec3<double> shear(0, 0.5 * std::sin(2 * t), 0.25 * (1 - std::cos(3 * t)));
       trial.body().move_pin(
-          v, Eigen::AngleAxisd(2 * std::numbers::pi * turns * std::sin(t), Vec3<double>::UnitX()) * arm - arm + shear);
+          v, rotation_by(2 * std::numbers::pi * turns * std::sin(t) * Vec3<double>::UnitX()) * arm - arm + shear);
     }
     if (!trial.step()) break;
     if (trial.last().inverted_elements > 0) ++inverted;

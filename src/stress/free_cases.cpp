@@ -25,7 +25,7 @@ Verdict spin(const Configuration& configuration, double length, double h_omega, 
   const double omega = h_omega / scene.dt;
   const Vec3<double> centre = trial.centre();
   const Vec3<double> flight = length * omega * Vec3<double>(0.3, 0.1, 0.2);
-  trial.push([&](Index v) { return (flight + Vec3<double>(0, 0, omega).cross(trial.rest(v) - centre)).eval(); });
+  trial.push([&](Index v) { return flight + Vec3<double>(0, 0, omega).cross(trial.rest(v) - centre); });
   const Vec3<double> spin_before = trial.angular_momentum(), momentum_before = trial.momentum();
   const double radius = trial.inertia_radius();
   double inflation = 1;
@@ -62,7 +62,7 @@ Verdict unlike_halves(const Configuration& configuration, bool stiff_is_heavy) {
   Verdict verdict;
   const Result<void> status = trial.body().set_materials(materials);
   verdict.expect(status.ok(), "the materials are refused");
-  trial.push([&](Index v) { return (of_stiff[at(v)] ? Vec3<double>(1, 0.5, 0) : Vec3<double>(0, 0, 0.2)).eval(); });
+  trial.push([&](Index v) { return of_stiff[at(v)] ? Vec3<double>(1, 0.5, 0) : Vec3<double>(0, 0, 0.2); });
   const Vec3<double> before = trial.momentum();
   trial.run(300);
   trial.report_to(verdict);

@@ -1,10 +1,10 @@
 // Bodies that are held stretched, hang by their weight, or are twisted.
 #include <fmt/core.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <corotet/mesh/make_block.hpp>
+#include <corotet/rotation/quaternion.hpp>
 #include <numbers>
 
 #include "../failure.hpp"
@@ -21,7 +21,7 @@ Verdict hold_stretched(const Configuration& configuration, double stretch) {
   trial.pin(at_left_end);
   const auto right = trial.pin(at_right_end);
   const double side = 1 - configuration.ratio.poisson * (stretch - 1);
-  trial.place([&](Index v) { return trial.rest(v).cwiseProduct(Vec3<double>(stretch, side, side)).eval(); });
+  trial.place([&](Index v) { return trial.rest(v).cwiseProduct(Vec3<double>(stretch, side, side)); });
   for (const Index v : right) trial.body().move_pin(v, {stretch - 1, 0, 0});
   trial.run(600);
   Verdict verdict;
@@ -66,7 +66,7 @@ Verdict twist(const Configuration& configuration, double turns) {
     for (const auto& [end, sign] : {std::pair{&left, -1}, std::pair{&right, 1}})
       for (const Index v : *end) {
         const Vec3<double> arm(0, trial.rest(v).y(), trial.rest(v).z());
-        trial.body().move_pin(v, Eigen::AngleAxisd(sign * angle, Vec3<double>::UnitX()) * arm - arm);
+        trial.body().move_pin(v, rotation_by(sign * angle * Vec3<double>::UnitX()) * arm - arm);
       }
     const double before = trial.last().largest_rotation;
     if (!trial.step()) break;

@@ -47,7 +47,7 @@ Verdict recover(const Configuration& configuration, const Start& start, Collapse
   UniformRandom unit(1);
   trial.place([&](Index v) {
     const Vec3<double> off{unit() - 0.5, unit() - 0.5, unit() - 0.5};
-    return at_left_end(trial.rest(v)) ? trial.rest(v) : (collapse(trial.rest(v)) + 2 * start.off * off).eval();
+    return at_left_end(trial.rest(v)) ? trial.rest(v) : (collapse(trial.rest(v)) + 2 * start.off * off);
   });
   trial.run(static_cast<int>(std::lround(10 / start.h)));
   Verdict verdict;
@@ -77,7 +77,7 @@ Verdict recover_from_chaos(const Configuration& configuration, const Effort& eff
   trial.pin(at_left_end);
   for (int seed = 1; seed <= effort.seeds; ++seed) {
     UniformRandom unit(seed);
-    trial.push([](Index) { return Vec3<double>::Zero().eval(); });
+    trial.push([](Index) { return Vec3<double>::Zero(); });
     trial.place([&](Index v) {
       const Vec3<double> x{unit(), unit() / 2, unit() / 2};  // in this order
       return at_left_end(trial.rest(v)) ? trial.rest(v) : x;

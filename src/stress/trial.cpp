@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -151,8 +150,9 @@ Index Trial::folded_elements() const {
     bool inside_out = false;
     for (std::size_t a = 0; a < 4; ++a) {
       Mat3<double> edges;  // derivatives along the edges from corner a, which are a left hand's for odd a
-      for (std::size_t b = 0, column = 0; b < 4; ++b)
-        if (b != a) edges.col(static_cast<Eigen::Index>(column++)) = 4 * middle(a, b) - 3 * x(a) - x(b);
+      int column = 0;
+      for (std::size_t b = 0; b < 4; ++b)
+        if (b != a) edges.set_col(column++, 4 * middle(a, b) - 3 * x(a) - x(b));
       inside_out = inside_out || (a % 2 == 0 ? 1 : -1) * edges.determinant() <= 0;
     }
     if (inside_out) ++folded;

@@ -1,5 +1,6 @@
 // The laws of the elastic law: force from energy, tangent from force, rotations, affine states, the warped stiffness.
 #include <corotet/assembly/elasticity.hpp>
+#include <corotet/core/eigen.hpp>
 #include <corotet/rotation/gram_schmidt.hpp>
 #include <corotet/rotation/identity.hpp>
 #include <corotet/rotation/per_element.hpp>
@@ -7,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <Eigen/SVD>
 
 #include "support/bodies.hpp"
@@ -112,7 +114,7 @@ void expect_warped_stiffness_is_the_hessian_without_twist(const MeshData& data, 
   Rig<double, Element> rig(testing::must(TetMesh<double, Element>::create(data)), rubber, dilatation);
   const Index vertices = rig.mesh.vertex_count(), dofs = 3 * vertices;
   const Mat3<double> affine = random.rotation() * (Mat3<double>::Identity() + random.matrix(0.15));
-  Field<double> u = testing::displacement_of(rig.mesh, [&](const Vec3<double>& x) { return (affine * x).eval(); });
+  Field<double> u = testing::displacement_of(rig.mesh, [&](const Vec3<double>& x) { return affine * x; });
   if (vertices > 4) flat(u) += flat(testing::random_field<double>(vertices, 0.02, seed));
 
   Eigen::MatrixXd hessian(dofs, dofs), twist = Eigen::MatrixXd::Zero(dofs, dofs);
@@ -134,10 +136,12 @@ void expect_warped_stiffness_is_the_hessian_without_twist(const MeshData& data, 
       Mat3<double> f = Mat3<double>::Identity();
       for (std::size_t a = 0; a < Element::nodes; ++a) {
         const Index v = rig.mesh.element(e)[a];
-        gradient.col(v) = inverse.transpose() * Eigen::Map<const Vec3<double>>(natural_gradients<Element>[q][a].data());
-        f += u[at(v)] * gradient.col(v).transpose();
+        const Vec3<double> of_vertex =
+            inverse.transpose() * Vec3<double>::load(natural_gradients<Element>[q][a].data());
+        gradient.col(v) = as_eigen(of_vertex);
+        f += u[at(v)] * of_vertex.transpose();
       }
-      const Eigen::JacobiSVD<Mat3<double>> svd(f, Eigen::ComputeFullU | Eigen::ComputeFullV);
+      const Eigen::JacobiSVD<Eigen::Matrix3d> svd(as_eigen(f), Eigen::ComputeFullU | Eigen::ComputeFullV);
       ASSERT_GT(f.determinant(), 0);
       const Vec3<double> s = svd.singularValues();
       const double pressure = mu * rig.state.volumetric_stress(q, e);
@@ -146,7 +150,7 @@ void expect_warped_stiffness_is_the_hessian_without_twist(const MeshData& data, 
       }
       for (int axis = 0; axis < 3; ++axis) {
         const int i = (axis + 1) % 3, j = (axis + 2) % 3;
-        Mat3<double> spin = Mat3<double>::Zero();
+        Eigen::Matrix3d spin = Eigen::Matrix3d::Zero();
         spin(i, j) = -std::sqrt(0.5);
         spin(j, i) = std::sqrt(0.5);
         const Eigen::MatrixXd mode = svd.matrixU() * spin * svd.matrixV().transpose() * gradient;  // mode : dF/dx
@@ -199,12 +203,12 @@ TYPED_TEST(ElasticLaw, RigidMotionGivesNoForceAndNoEnergy) {
         both_dilatations[at(trial % 2)]);
     const Mat3<double> q = random.rotation();
     const Vec3<double> shift = random.vector();
-    const auto u = testing::displacement_of(rig.mesh, [&](const Vec3<double>& x) { return (q * x + shift).eval(); });
+    const auto u = testing::displacement_of(rig.mesh, [&](const Vec3<double>& x) { return q * x + shift; });
     double largest = 0;
     for (const auto& f : rig.force(u)) largest = std::max(largest, double(f.norm()));
     EXPECT_LT(largest, rounding_force(rig.mesh, 1 + shift.norm()));
     EXPECT_LT(rig.law.energy(u), rounding_force(rig.mesh, 1 + shift.norm()));
-    EXPECT_NEAR(rig.state.worst().largest_rotation(), Eigen::AngleAxisd(q).angle(), 2e-3);
+    EXPECT_NEAR(rig.state.worst().largest_rotation(), Eigen::AngleAxisd(as_eigen(q)).angle(), 2e-3);
   }
 }
 
@@ -221,7 +225,7 @@ TYPED_TEST(ElasticLaw, UniaxialStressIsYoungTimesStretch) {
       const double side = 1 - rubber.poisson * (s - 1);
       const Mat3<double> q = random.rotation();
       const auto u = testing::displacement_of(
-          rig.mesh, [&](const Vec3<double>& x) { return (q * x.cwiseProduct(Vec3<double>(s, side, side))).eval(); });
+          rig.mesh, [&](const Vec3<double>& x) { return q * x.cwiseProduct(Vec3<double>(s, side, side)); });
       const Field<Scalar> force = rig.force(u);
       Vec3<double> pull = Vec3<double>::Zero();
       double sideways = 0;
@@ -325,8 +329,8 @@ TYPED_TEST(ElasticLaw, EnergyIsTheSumOverElementsOfTheirOwnMaterial) {
   for (std::size_t e = 0; e < materials.size(); e += 2) materials[e].young *= 10;
   const Materials uniform(rubber), mixed(materials);
   Rig<Scalar, typename TypeParam::Element> one(mesh, uniform), ten(mesh, mixed);
-  const auto stretch = testing::displacement_of(
-      mesh, [](const Vec3<double>& x) { return x.cwiseProduct(Vec3<double>(1.1, 1.0, 1.0)).eval(); });
+  const auto stretch =
+      testing::displacement_of(mesh, [](const Vec3<double>& x) { return x.cwiseProduct(Vec3<double>(1.1, 1.0, 1.0)); });
   double odd = 0, even = 0;
   for (Index e = 0; e < mesh.element_count(); ++e)
     (e % 2 == 0 ? even : odd) += detail::corner_volume(mesh.data().positions, mesh.element(e).data());
@@ -346,14 +350,15 @@ TYPED_TEST(ElasticLaw, TheMatrixIsTheSumOverElements) {
     const auto u = testing::random_field<Scalar>(mesh.vertex_count(), 0.05, 8);
     BlockMatrix<Scalar> k = rig.stiffness(u);
     double largest = 0;
-    for (Index s = 0; s < rig.pattern->blocks(); ++s) largest = std::max(largest, double(k.block(s).norm()));
+    for (Index s = 0; s < rig.pattern->blocks(); ++s)
+      largest = std::max(largest, double(std::as_const(k).block(s).norm()));
     for (Index e = 0; e < mesh.element_count(); ++e)
       for (int a = 0; a < rig.law.nodes; ++a)
         for (int b = 0; b < rig.law.nodes; ++b)
           k.block(rig.pattern->slot(mesh.element(e)[at(a)], mesh.element(e)[at(b)])) -=
               rig.law.stiffness_block(rig.state, e, a, b);
     for (Index s = 0; s < rig.pattern->blocks(); ++s)
-      EXPECT_LT(double(k.block(s).norm()), (sizeof(Scalar) == 4 ? 1e-5 : 1e-13) * largest);
+      EXPECT_LT(double(std::as_const(k).block(s).norm()), (sizeof(Scalar) == 4 ? 1e-5 : 1e-13) * largest);
   }
 }
 

@@ -1,5 +1,6 @@
 // Tangents of the elastic force: what each adds to the warped stiffness, against differences of the force.
 #include <corotet/assembly/twist_modes.hpp>
+#include <corotet/core/eigen.hpp>
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -8,6 +9,7 @@
 
 #include "support/bodies.hpp"
 #include "support/elastic_rig.hpp"
+#include "support/matrices.hpp"
 
 namespace corotet::tangent_test {
 namespace {
@@ -29,7 +31,7 @@ struct OneElement {
   OneElement(const Mat3<double>& stretch, double variation, unsigned seed) : mesh(make(seed)) {
     Random random(seed);
     const Mat3<double> affine = random.rotation() * stretch;
-    u = testing::displacement_of(mesh, [&](const Vec3<double>& x) { return (affine * x).eval(); });
+    u = testing::displacement_of(mesh, [&](const Vec3<double>& x) { return affine * x; });
     if (Element::order == 2) flat(u) += flat(testing::random_field<double>(10, variation, seed));
   }
 
@@ -80,11 +82,13 @@ struct OneElement {
       Mat3<double> f = Mat3<double>::Identity();
       for (std::size_t a = 0; a < Element::nodes; ++a) {
         const Index v = mesh.element(0)[a];
-        gradient.col(v) = inverse.transpose() * Eigen::Map<const Vec3<double>>(natural_gradients<Element>[q][a].data());
-        f += u[at(v)] * gradient.col(v).transpose();
+        const Vec3<double> of_vertex =
+            inverse.transpose() * Vec3<double>::load(natural_gradients<Element>[q][a].data());
+        gradient.col(v) = as_eigen(of_vertex);
+        f += u[at(v)] * of_vertex.transpose();
       }
-      const Eigen::JacobiSVD<Mat3<double>> svd(f, Eigen::ComputeFullU | Eigen::ComputeFullV);
-      Mat3<double> left = svd.matrixU();
+      const Eigen::JacobiSVD<Eigen::Matrix3d> svd(as_eigen(f), Eigen::ComputeFullU | Eigen::ComputeFullV);
+      Eigen::Matrix3d left = svd.matrixU();
       Vec3<double> s = svd.singularValues();
       if (f.determinant() < 0) {  // signed: R = U V^T must be a rotation
         left.col(2) *= -1;
@@ -92,7 +96,7 @@ struct OneElement {
       }
       for (int axis = 0; axis < 3; ++axis) {
         const int i = (axis + 1) % 3, j = (axis + 2) % 3;
-        Mat3<double> spin = Mat3<double>::Zero();
+        Eigen::Matrix3d spin = Eigen::Matrix3d::Zero();
         spin(i, j) = -std::sqrt(0.5);
         spin(j, i) = std::sqrt(0.5);
         const Eigen::Matrix<double, 3, Element::nodes> mode =
@@ -140,7 +144,7 @@ class StretchStable : public ::testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(Left, StretchStable, ::testing::Values(0.5, 0.4));
 TEST_P(StretchStable, IsActiveWhereItMustBe) {
   const auto is_active = [](const Vec3<double>& s) {
-    const OneElement<Tet4> element(s.asDiagonal(), 0, 1);
+    const OneElement<Tet4> element(testing::diagonal(s), 0, 1);
     testing::Rig<double, Tet4> rig(element.mesh, rubber, Dilatation::per_element, Tangent::stretch_stable);
     rig.state.twist.leave(GetParam());
     rig.law.evaluate(element.u, rig.state, rig.serial);
@@ -157,7 +161,7 @@ TEST_P(StretchStable, IsActiveWhereItMustBe) {
       stiffest = std::max(stiffest, 2 * mu + 2 * (lambda * (s.sum() - 3) - 2 * mu) / (s.sum() - s[i]));
     if (stiffest > GetParam() * mu) {
       ++active;
-      EXPECT_TRUE(is_active(s)) << s.transpose();
+      EXPECT_TRUE(is_active(s)) << as_eigen(s).transpose();
     } else {
       needless += is_active(s) ? 1 : 0;
     }
@@ -173,10 +177,10 @@ TEST(Tangents, AreFiniteForDegenerateElements) {
   for (const Vec3<double>& s : {Vec3<double>(1, 1, 0), Vec3<double>(1, 0, 0), Vec3<double>(0, 0, 0),
                                 Vec3<double>(1, 1, -1), Vec3<double>(2, 1, -1), Vec3<double>(5, 0.1, -0.1),
                                 Vec3<double>(1e-9, 1e-9, -1e-9), Vec3<double>(100, 100, 100)}) {
-    const OneElement<Tet4> element(s.asDiagonal(), 0, 2);
+    const OneElement<Tet4> element(testing::diagonal(s), 0, 2);
     for (const Tangent kind : {Tangent::stretch_stable, Tangent::exact}) {
       const auto k = element.tangent(kind, true);
-      ASSERT_TRUE(k.allFinite()) << s.transpose();
+      ASSERT_TRUE(k.allFinite()) << as_eigen(s).transpose();
       EXPECT_EQ((k - k.transpose()).norm(), 0);
       EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k, Eigen::EigenvaluesOnly).eigenvalues()[0],
                 -1e-12 * k.norm());
@@ -190,8 +194,8 @@ template <class Element>
 void expect_exact_is_the_hessian(Dilatation dilatation, unsigned seed) {
   const auto mesh = testing::distorted_block<double, Element>({.size = {1, 0.7, 0.5}, .cells = {1, 1, 1}}, 0.2, seed);
   const Index dofs = 3 * mesh.vertex_count();
-  const Mat3<double> affine = Random(seed).rotation() * Vec3<double>(1.2, 0.9, 1.1).asDiagonal();
-  Field<double> u = testing::displacement_of(mesh, [&](const Vec3<double>& x) { return (affine * x).eval(); });
+  const Mat3<double> affine = Random(seed).rotation() * testing::diagonal({1.2, 0.9, 1.1});
+  Field<double> u = testing::displacement_of(mesh, [&](const Vec3<double>& x) { return affine * x; });
   flat(u) += flat(testing::random_field<double>(mesh.vertex_count(), 0.02, seed));
   testing::Rig<double, Element> rig(mesh, rubber, dilatation, Tangent::exact);
   Eigen::MatrixXd hessian(dofs, dofs);

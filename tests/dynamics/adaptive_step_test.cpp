@@ -1,4 +1,5 @@
 // Steps that cannot be trusted: accepted, refused or divided.
+#include <corotet/core/eigen.hpp>
 #include <corotet/dynamics/adaptive_step.hpp>
 #include <corotet/dynamics/bdf2.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>

@@ -1,7 +1,9 @@
 // A step does what its equation says, keeps what it must keep, and says what happened.
+#include <corotet/core/eigen.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <corotet/rotation/gram_schmidt.hpp>
 #include <corotet/rotation/identity.hpp>
+#include <corotet/rotation/quaternion.hpp>
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -68,16 +70,16 @@ void expect_step_solves_the_equation(MassModel model) {
   BlockMatrix<double> stiffness(body.pattern());
   assemble(body.law(), state, body.mass(), 0.0, 1.0, stiffness, serial);
   const BlockPattern& p = *body.pattern();
-  Eigen::VectorXd force(dofs), v0(dofs);
+  Eigen::VectorXd force(dofs);
+  const Eigen::VectorXd v0 = flat(body.velocities());
   for (Index i = 0; i < n; ++i) {
     for (Index s = p.row_start[at(i)]; s < p.row_start[at(i) + 1]; ++s) {
-      k.block<3, 3>(3 * i, 3 * p.column[at(s)]) = stiffness.block(s);
-      m.block<3, 3>(3 * i, 3 * p.column[at(s)]) = body.mass().factor(p, i, s) * Mat3<double>::Identity();
+      k.block<3, 3>(3 * i, 3 * p.column[at(s)]) = as_eigen(stiffness.block(s));
+      m.block<3, 3>(3 * i, 3 * p.column[at(s)]) = body.mass().factor(p, i, s) * Eigen::Matrix3d::Identity();
     }
-    force.segment<3>(3 * i) = state.vertex_force(p, i) + body.external_forces()[at(i)];
-    v0.segment<3>(3 * i) = body.velocities()[at(i)];
+    force.segment<3>(3 * i) = as_eigen(state.vertex_force(p, i) + body.external_forces()[at(i)]);
   }
-  force += m * Vec3<double>(0, 0, -9.81).replicate(n, 1);
+  force += m * Eigen::Vector3d(0, 0, -9.81).replicate(n, 1);
   const Eigen::MatrixXd d = options.damping.mass * m + options.damping.stiffness * k, a = m + h * d + h * h * k;
   const Eigen::VectorXd b = h * (force - d * v0) - h * h * k * v0;
 
@@ -206,11 +208,11 @@ TYPED_TEST(Dynamics, LedPinsArriveExactlyAndTheBodyFollows) {
   auto body = beam<Scalar, typename TypeParam::Element>({5, 1, 1}, {.damping = {.mass = 4, .stiffness = 0.05}});
   body.set_gravity(Vec3<Scalar>::Zero());
   ImplicitEuler euler(body, testing::solver({.tolerance = 1e-5}));
-  const Mat3<double> quarter = Eigen::AngleAxisd(std::numbers::pi / 2, Vec3<double>::UnitY()).toRotationMatrix();
+  const Mat3<double> quarter = rotation_by(std::numbers::pi / 2 * Vec3<double>::UnitY());
   StepReport report;
   for (int step = 1; step <= 300; ++step) {
     const double turn = std::min(1.0, step / 60.0) * std::numbers::pi / 2;
-    const Mat3<double> q = Eigen::AngleAxisd(turn, Vec3<double>::UnitY()).toRotationMatrix();
+    const Mat3<double> q = rotation_by(turn * Vec3<double>::UnitY());
     for (const Index v : std::vector<Index>(body.pins().vertices()))
       body.move_pin(v, (q * body.mesh().position(v).template cast<double>()).template cast<Scalar>());
     report = euler.step(body, Scalar(1.0 / 60));

@@ -1,4 +1,5 @@
 // Newton's method within a step, and the tangents that it may use.
+#include <corotet/core/eigen.hpp>
 #include <corotet/dynamics/bdf2.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <gtest/gtest.h>
@@ -136,9 +137,8 @@ TYPED_TEST(NewtonSteps, AStretchedBarComesToRest) {
       auto body = bar<Scalar, typename TypeParam::Element>({.young = 5e5, .poisson = held.poisson});
       const double side = 1 - held.poisson * (held.stretch - 1);
       const Field<Scalar> noise = testing::random_field<Scalar>(body.vertex_count(), 1e-3, 1);
-      auto u = testing::displacement_of(body.mesh(), [&](const Vec3<double>& x) {
-        return x.cwiseProduct(Vec3<double>(held.stretch, side, side)).eval();
-      });
+      auto u = testing::displacement_of(
+          body.mesh(), [&](const Vec3<double>& x) { return x.cwiseProduct(Vec3<double>(held.stretch, side, side)); });
       flat(u) += flat(noise);
       must(body.set_displacements(u));
       for (Index v = 0; v < body.vertex_count(); ++v) {
@@ -227,7 +227,7 @@ TYPED_TEST(NewtonSteps, AngularMomentumIsWhatForcesAndDampingMakeIt) {
       body.external_forces()[at(b)] = {0, 0, Scalar(-30)};
 
       const auto arm = [&](Index v) {
-        return (body.position(v) + Scalar(h / 2) * body.velocities()[at(v)]).template cast<double>().eval();
+        return (body.position(v) + Scalar(h / 2) * body.velocities()[at(v)]).template cast<double>();
       };
       const Vec3<double> start = testing::angular_momentum(body);
       Vec3<double> expected = start;

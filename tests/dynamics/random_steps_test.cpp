@@ -2,6 +2,7 @@
 // state that its report describes, or changes nothing; and it does the same again.
 //
 // COROTET_TEST_SEED=N runs seed N alone.
+#include <corotet/core/eigen.hpp>
 #include <corotet/dynamics/adaptive_step.hpp>
 #include <corotet/dynamics/bdf2.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
@@ -77,7 +78,7 @@ Deformation deformation_of(const Body& body) {
           jacobian(natural_gradients<Element>[q], [&](std::size_t a) { return body.mesh().node_position(e, a); });
       const Mat3<double> to_rest = rest.inverse();
       const auto displaced = jacobian(natural_gradients<Element>[q], [&](std::size_t a) {
-        return body.displacements()[at(body.mesh().element(e)[a])].template cast<double>().eval();
+        return body.displacements()[at(body.mesh().element(e)[a])].template cast<double>();
       });
       const Mat3<double> f = Mat3<double>::Identity() + displaced * to_rest;
       const double largest = f.norm();

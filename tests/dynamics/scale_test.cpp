@@ -1,4 +1,5 @@
 // No step knows how large a metre is: tolerances are relative, and nothing changes far from the origin.
+#include <corotet/core/eigen.hpp>
 #include <corotet/dynamics/bdf2.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <gtest/gtest.h>

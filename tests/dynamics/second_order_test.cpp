@@ -1,6 +1,8 @@
 // How the error of a run falls with the time step, and what else the integrators promise of time.
+#include <corotet/core/eigen.hpp>
 #include <corotet/dynamics/bdf2.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
+#include <corotet/rotation/quaternion.hpp>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -47,7 +49,7 @@ Body swing(Body body, const Motion& motion, int steps, const NewtonOptions& newt
     body.set_gravity(Vec3<double>(0, 0, -9.81) * (part * part * part * (10 - part * (15 - 6 * part))));
     if (motion.led) {
       const double wave = std::pow(1 - std::cos(5 * t), 2) / 2;
-      const Mat3<double> q = Eigen::AngleAxisd(0.4 * wave, Vec3<double>::UnitY()).toRotationMatrix();
+      const Mat3<double> q = rotation_by(0.4 * wave * Vec3<double>::UnitY());
       for (const Index v : std::vector<Index>(body.pins().vertices()))
         body.move_pin(v, q * body.mesh().position(v) + Vec3<double>(0, 0.05 * wave, 0));
     }

@@ -1,5 +1,7 @@
 // How a free body spins: it turns and does not grow, and no energy comes from nowhere.
+#include <corotet/core/eigen.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
+#include <corotet/rotation/quaternion.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -49,7 +51,7 @@ TYPED_TEST(Spin, AStiffBodyTurnsAsARigidOne) {
         const int steps = 10;
         for (int step = 0; step < steps; ++step)
           ASSERT_TRUE(euler.step(body, typename TypeParam::Scalar(this->h)).accepted());
-        const Mat3<double> q = Eigen::AngleAxisd(steps * turn, Vec3<double>::UnitZ()).toRotationMatrix();
+        const Mat3<double> q = rotation_by(steps * turn * Vec3<double>::UnitZ());
         for (Index v = 0; v < body.vertex_count(); ++v)
           EXPECT_LT(
               (body.position(v).template cast<double>() - q * body.mesh().position(v).template cast<double>()).norm(),

@@ -39,20 +39,20 @@ TYPED_TEST(ShapeFunctions, AreOneAtTheirNodeAndZeroAtTheOthers) {
 TYPED_TEST(ShapeFunctions, ReproducePolynomialsOfTheirOrderWithTheirGradients) {
   testing::Random random(1);
   const Vec3<double> linear = random.vector();
-  const Mat3<double> quadratic = TypeParam::order == 2 ? random.matrix() : Mat3<double>::Zero().eval();
+  const Mat3<double> quadratic = TypeParam::order == 2 ? random.matrix() : Mat3<double>::Zero();
   const auto value = [&](const Vec3<double>& x) { return 0.7 + linear.dot(x) + x.dot(quadratic * x); };
   const auto nodes = node_coordinates<TypeParam>();
   for (int trial = 0; trial < 100; ++trial) {
     const NaturalCoordinates xi{random.uniform(), random.uniform(), random.uniform()};
-    const Vec3<double> x = Eigen::Map<const Vec3<double>>(xi.data());
+    const Vec3<double> x = Vec3<double>::load(xi.data());
     const auto n = TypeParam::shape(xi);
     const auto g = TypeParam::gradient(xi);
     double sum = 0;
     Vec3<double> gradient = Vec3<double>::Zero();
     for (std::size_t a = 0; a < n.size(); ++a) {
-      const double nodal = value(Eigen::Map<const Vec3<double>>(nodes[a].data()));
+      const double nodal = value(Vec3<double>::load(nodes[a].data()));
       sum += n[a] * nodal;
-      gradient += Eigen::Map<const Vec3<double>>(g[a].data()) * nodal;
+      gradient += Vec3<double>::load(g[a].data()) * nodal;
     }
     EXPECT_NEAR(sum, value(x), 1e-13);
     EXPECT_LT((gradient - linear - (quadratic + quadratic.transpose()) * x).norm(), 1e-12);
@@ -82,7 +82,7 @@ TEST(Quadrature, IntegratesPolynomialsOfItsDegree) {
 
 TEST(TetFaces, TurnOutward) {
   const auto x = node_coordinates<Tet4>();
-  const auto point = [&](std::size_t c) -> Vec3<double> { return Eigen::Map<const Vec3<double>>(x[c].data()); };
+  const auto point = [&](std::size_t c) -> Vec3<double> { return Vec3<double>::load(x[c].data()); };
   for (std::size_t f = 0; f < 4; ++f) {
     const auto [a, b, c] = tet_faces[f];
     EXPECT_LT((point(b) - point(a)).cross(point(c) - point(a)).dot(point(f) - point(a)), 0) << "face " << f;

@@ -131,7 +131,8 @@ TYPED_TEST(EmbedBind, NearestPointOfACurvedMeshIsNoFartherThanAnySample) {
     const auto surface = Surface::bind(mesh, Points{p});
     ASSERT_TRUE(surface.ok());
     for (const Vec3<double>& x : sample)
-      ASSERT_LE(surface->largest_distance(), (x - p).norm() * (1 + 1e-5) + 8 * Fixture::epsilon) << p.transpose();
+      ASSERT_LE(surface->largest_distance(), (x - p).norm() * (1 + 1e-5) + 8 * Fixture::epsilon)
+          << ::testing::PrintToString(p);
   }
 }
 
@@ -147,7 +148,8 @@ TYPED_TEST(EmbedBind, DoesNotDependOnTheExecutor) {
   EXPECT_EQ(serial->outside_vertices(), backwards->outside_vertices());
   EXPECT_EQ(serial->largest_distance(), backwards->largest_distance());
   EXPECT_EQ(serial->boxes_visited(), backwards->boxes_visited());
-  const Field<Scalar> u = this->displacements(mesh, [](const Vec3<double>& x) { return Vec3<double>(x.cwiseAbs2()); });
+  const Field<Scalar> u =
+      this->displacements(mesh, [](const Vec3<double>& x) { return Vec3<double>(x.cwiseProduct(x)); });
   EXPECT_EQ(this->positions(*serial, u), this->positions(*backwards, u));
   EXPECT_EQ(this->normals(*serial, u), this->normals(*backwards, u));
 }
@@ -190,7 +192,7 @@ TYPED_TEST(EmbedBind, AFarVertexIsKeptOrNamed) {
       EXPECT_EQ(surface.ok(), far <= kept) << far;
       if (surface.ok()) {
         const Vec3<double> x = this->positions(*surface, at_rest)[1].template cast<double>();
-        EXPECT_LE((x - points[1]).norm(), 1000 * Fixture::epsilon * far) << x.transpose();
+        EXPECT_LE((x - points[1]).norm(), 1000 * Fixture::epsilon * far) << ::testing::PrintToString(x);
       } else {
         EXPECT_EQ(surface.error().code, ErrorCode::non_finite_value);
         EXPECT_EQ(surface.error().where, "surface vertex 1");

@@ -4,6 +4,7 @@
 #include <corotet/embed/embedded_surface.hpp>
 
 #include "embed/embed_fixtures.hpp"
+#include "support/matrices.hpp"
 
 namespace corotet {
 namespace {
@@ -30,10 +31,9 @@ TYPED_TEST(EmbedMotion, AffineMotionIsReproducedInsideAndOutside) {
   ASSERT_TRUE(surface.ok());
   ASSERT_GT(surface->outside_count(), 100);
 
-  Mat3<double> turn, shear, mirror;
-  turn << 0.36, 0.48, -0.8, -0.8, 0.6, 0, 0.48, 0.64, 0.6;
-  shear << 1.4, 0.5, -0.2, 0.1, 0.7, 0.3, -0.3, 0.2, 1.1;
-  mirror = Vec3<double>(1, -1.2, 0.8).asDiagonal();
+  const Mat3<double> turn = testing::of_rows({0.36, 0.48, -0.8}, {-0.8, 0.6, 0}, {0.48, 0.64, 0.6});
+  const Mat3<double> shear = testing::of_rows({1.4, 0.5, -0.2}, {0.1, 0.7, 0.3}, {-0.3, 0.2, 1.1});
+  const Mat3<double> mirror = testing::diagonal({1, -1.2, 0.8});
   for (const Mat3<double>& a : {turn, shear, mirror, Mat3<double>(turn * shear)}) {
     const auto motion = [&](const Vec3<double>& x) { return Vec3<double>(a * x + Vec3<double>(0.3, -1, 0.5)); };
     const Field<Scalar> u = this->displacements(mesh, motion);
@@ -67,10 +67,8 @@ TYPED_TEST(EmbedQuadratic, MotionIsReproduced) {
                         x[2] + 0.1 + 0.5 * x[0] * x[1] - 0.1 * x[2] * x[2]);
   };
   const auto gradient = [](const Vec3<double>& x) {
-    Mat3<double> f;
-    f << 1 - 0.2 * x[2], 0.6 * x[1], -0.2 * x[0], -0.8 * x[0], 1 + 0.2 * x[2], 0.2 * x[1], 0.5 * x[1], 0.5 * x[0],
-        1 - 0.2 * x[2];
-    return f;
+    return testing::of_rows({1 - 0.2 * x[2], 0.6 * x[1], -0.2 * x[0]}, {-0.8 * x[0], 1 + 0.2 * x[2], 0.2 * x[1]},
+                            {0.5 * x[1], 0.5 * x[0], 1 - 0.2 * x[2]});
   };
   const Field<Scalar> u = this->displacements(mesh, motion);
   const Field<Scalar> moved = this->positions(*surface, u), turned = this->normals(*surface, u);
@@ -177,7 +175,7 @@ TYPED_TEST(EmbedMotion, BodiesOfAnySizeHaveTheSameNormals) {
     const Mesh mesh = Mesh::create(scaled).value();
     auto surface = Surface::bind(mesh, scaled_points, normals).value();
     return this->normals(surface, this->displacements(mesh, [&](const Vec3<double>& x) {
-      return Vec3<double>(x + 0.3 * x.cwiseAbs2() / scale);
+      return Vec3<double>(x + 0.3 * x.cwiseProduct(x) / scale);
     }));
   };
   // Powers of two scale without rounding; a micrometre and a planet.
@@ -194,7 +192,7 @@ TYPED_TEST(EmbedMotion, BodyFarFromTheOriginMovesTheSame) {
   // Coordinates on a grid of 2^-20 m, so that moving them by 2^20 m is exact in double.
   MeshData data = this->block_data();
   const auto snap = [](Vec3<double>& x) {
-    x = (std::ldexp(1.0, 20) * x).array().round().matrix() / std::ldexp(1.0, 20);
+    for (double& coordinate : x) coordinate = std::round(std::ldexp(coordinate, 20)) / std::ldexp(1.0, 20);
   };
   for (Vec3<double>& x : data.positions) snap(x);
   Points points = this->around(200);
@@ -208,7 +206,7 @@ TYPED_TEST(EmbedMotion, BodyFarFromTheOriginMovesTheSame) {
   const Mesh far_mesh = Mesh::create(data, origin).value();
   auto far_surface = Surface::bind(far_mesh, points, normals).value();
   const Field<Scalar> u =
-      this->displacements(near_mesh, [](const Vec3<double>& x) { return Vec3<double>(x + x.cwiseAbs2()); });
+      this->displacements(near_mesh, [](const Vec3<double>& x) { return Vec3<double>(x + x.cwiseProduct(x)); });
   EXPECT_EQ(this->positions(near_surface, u), this->positions(far_surface, u));
   EXPECT_EQ(this->normals(near_surface, u), this->normals(far_surface, u));
   EXPECT_EQ(near_surface.outside_vertices(), far_surface.outside_vertices());

@@ -2,6 +2,7 @@
 
 #include <corotet/mesh/make_block.hpp>
 #include <corotet/mesh/quality.hpp>
+#include <corotet/rotation/quaternion.hpp>
 #include <random>
 
 namespace corotet {
@@ -162,7 +163,7 @@ TEST(ElementQualityTest, UnchangedByRotationScalingAndNumbering) {
     EXPECT_LE(q.radius_ratio, 1 + 1e-14);
 
     const Corners axes = random_tetrahedron(random);
-    const Mat3<double> rotation = Eigen::AngleAxisd(3 * axes[0].norm(), axes[1].normalized()).toRotationMatrix();
+    const Mat3<double> rotation = rotation_by(3 * axes[0].norm() * axes[1].normalized());
     for (const double scale : {1.0, 1e-90, 1e90, 1e-3}) {
       Corners moved;
       for (std::size_t i = 0; i < 4; ++i) moved[i] = scale * (rotation * x[i] + axes[2]);

@@ -136,7 +136,7 @@ TEST(RaiseOrder, PutsOneVertexInTheMiddleOfEachEdgeAndLowersBack) {
   for (std::size_t first = 0; first < raised.connectivity.size(); first += 10)
     for (std::size_t e = 0; e < 6; ++e) {
       const auto x = [&](std::size_t a) { return raised.positions[at(raised.connectivity[first + a])]; };
-      EXPECT_EQ(x(4 + e), ((x(tet_edges[e].a) + x(tet_edges[e].b)) / 2).eval());
+      EXPECT_EQ(x(4 + e), ((x(tet_edges[e].a) + x(tet_edges[e].b)) / 2));
     }
   const MeshData lowered = lower_order(raised);
   EXPECT_EQ(lowered.connectivity, data.connectivity);
@@ -170,9 +170,12 @@ TEST(MakeBlock, FillsTheBoxWithElementsOfEitherSplitAndOrder) {
         volume += v;
       }
       EXPECT_NEAR(volume, 6, 1e-13);
-      Eigen::AlignedBox3d box;
-      for (const auto& x : data.positions) box.extend(x);
-      EXPECT_LT((box.min() - Vec3<double>(-1, 0, 2)).norm() + (box.max() - Vec3<double>(2, 2, 3)).norm(), 1e-15);
+      Vec3<double> least = data.positions.front(), most = least;
+      for (const auto& x : data.positions) {
+        least = least.cwiseMin(x);
+        most = most.cwiseMax(x);
+      }
+      EXPECT_LT((least - Vec3<double>(-1, 0, 2)).norm() + (most - Vec3<double>(2, 2, 3)).norm(), 1e-15);
     }
 }
 

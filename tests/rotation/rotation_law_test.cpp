@@ -1,4 +1,5 @@
 // The law of RotationExtractor: for every finite F the result is a rotation; for Polar it is the nearest one.
+#include <corotet/core/eigen.hpp>
 #include <corotet/rotation/gram_schmidt.hpp>
 #include <corotet/rotation/identity.hpp>
 #include <corotet/rotation/per_element.hpp>
@@ -11,6 +12,7 @@
 #include <limits>
 
 #include "support/floating_point_traps.hpp"
+#include "support/matrices.hpp"
 #include "support/random.hpp"
 
 namespace corotet {
@@ -21,7 +23,13 @@ using testing::Random;
 /// U diag(s) V^T with random rotations: every kind of deformation, by its signed stretches.
 template <class Scalar>
 Mat3<Scalar> with_stretches(Random& random, const Vec3<double>& s) {
-  return (random.rotation() * s.asDiagonal() * random.rotation().transpose()).cast<Scalar>();
+  return (random.rotation() * testing::diagonal(s) * random.rotation().transpose()).cast<Scalar>();
+}
+
+/// Entries -1, 0, 1: the signs of `m`, but 0 where `mask` is not positive.
+Mat3<double> signs_and_zeros(Mat3<double> m, const Mat3<double>& mask) {
+  for (int k = 0; k < 9; ++k) m[k] = std::copysign(1.0, m[k]) * (mask[k] > 0 ? 1 : 0);
+  return m;
 }
 
 /// One of the kinds of F that a simulation may meet, chosen by `kind`.
@@ -54,9 +62,7 @@ Mat3<Scalar> draw(Random& random, int kind) {
       return (random.matrix() * std::pow(10.0, random.uniform(-range, range - 1))).template cast<Scalar>();
     }
     case 10:
-      return (random.matrix().array().sign() * (random.matrix().array() > 0).template cast<double>())
-          .matrix()
-          .template cast<Scalar>();  // entries -1, 0, 1
+      return signs_and_zeros(random.matrix(), random.matrix()).template cast<Scalar>();
     default:
       return with_stretches<Scalar>(random, {1e3 * a, b, 1e-3 * random.uniform(-1, 1)});
   }
@@ -76,7 +82,7 @@ void for_random_matrices(int count, unsigned seed, Visit&& visit) {
   for (int drawn = 0; drawn < count;) {
     for (int l = 0; l < lane_count<Scalar>; ++l) {
       Mat3<Scalar> m = draw<Scalar>(random, drawn++);
-      if (!m.allFinite()) m.setIdentity();  // a magnitude that rounded to infinity
+      if (!m.allFinite()) m = Mat3<Scalar>::Identity();  // a magnitude that rounded to infinity
       f.set_lane(l, m);
     }
     Model::extract(f, r);
@@ -108,7 +114,8 @@ TYPED_TEST(RotationLaw, EveryFiniteMatrixGivesARotation) {
           culprit = f;
         }
       });
-  EXPECT_LT(worst, 16 * static_cast<double>(std::numeric_limits<Scalar>::epsilon())) << "worst F:\n" << culprit;
+  EXPECT_LT(worst, 16 * static_cast<double>(std::numeric_limits<Scalar>::epsilon())) << "worst F:\n"
+                                                                                     << as_eigen(culprit);
 }
 
 TYPED_TEST(RotationLaw, ExtremesAndNonFiniteMatricesStayFinite) {
@@ -121,13 +128,15 @@ TYPED_TEST(RotationLaw, ExtremesAndNonFiniteMatricesStayFinite) {
       Mat3<Scalar> f = entry < 0 ? Mat3<Scalar>::Constant(value) : Mat3<Scalar>::Zero();
       if (entry >= 0) f(entry) = value;
       const Mat3<Scalar> r = extract_rotation<typename TypeParam::Model, Scalar>(f);
-      EXPECT_LT(distance_from_rotation(r), 16 * static_cast<double>(Limits::epsilon())) << "F:\n" << f << "\nR:\n" << r;
+      EXPECT_LT(distance_from_rotation(r), 16 * static_cast<double>(Limits::epsilon())) << "F:\n"
+                                                                                        << as_eigen(f) << "\nR:\n"
+                                                                                        << as_eigen(r);
     }
   for (const Scalar value : {Limits::quiet_NaN(), Limits::infinity(), -Limits::infinity()})
     for (int entry = 0; entry < 9; ++entry) {
       Mat3<Scalar> f = Mat3<Scalar>::Identity();
       f(entry) = value;
-      EXPECT_TRUE((extract_rotation<typename TypeParam::Model, Scalar>(f).allFinite())) << "F:\n" << f;
+      EXPECT_TRUE((extract_rotation<typename TypeParam::Model, Scalar>(f).allFinite())) << "F:\n" << as_eigen(f);
     }
 }
 
@@ -159,7 +168,7 @@ TYPED_TEST(PolarLaw, IsTheNearestRotation) {
     const double largest = f.template cast<double>().cwiseAbs().maxCoeff();
     if (!(largest > 1e-300)) return;
     const Mat3<double> g = f.template cast<double>() / largest, s = r.template cast<double>().transpose() * g;
-    const Eigen::JacobiSVD<Mat3<double>> svd(g, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(as_eigen(g), Eigen::ComputeFullU | Eigen::ComputeFullV);
     const Vec3<double> sigma = svd.singularValues();
     // The sign of det F, from its rotations: det F itself may be all rounding.
     const double sign = svd.matrixU().determinant() * svd.matrixV().determinant() < 0 ? -1 : 1;
@@ -177,7 +186,7 @@ TYPED_TEST(PolarLaw, BatchAgreesWithTheRobustForm) {
   Random random(3);
   for (int i = 0; i < 20'000; ++i) {
     const Mat3<Scalar> f = (random.rotation() + random.matrix(0.2)).template cast<Scalar>();
-    const Vec3<double> sigma = Eigen::JacobiSVD<Mat3<double>>(f.template cast<double>()).singularValues();
+    const Vec3<double> sigma = Eigen::JacobiSVD<Eigen::Matrix3d>(as_eigen(f).template cast<double>()).singularValues();
     if (f.determinant() < 0 || sigma[2] < 0.1) continue;  // the rotation itself is ill-determined there
     ASSERT_LT((extract_rotation<Polar, Scalar>(f) - polar_robust<Scalar>(f)).norm(),
               100 * std::numeric_limits<Scalar>::epsilon());
@@ -223,13 +232,13 @@ TYPED_TEST(PolarLaw, AmongEquallyNearRotationsAGradientsIsTheOneThatTurnsLeast) 
     for (const Vec3<double>& stretches : {Vec3<double>(0, 0, 0), Vec3<double>(1, 0, 0), Vec3<double>(0, 2, 0),
                                           Vec3<double>(-1, 1, 1), Vec3<double>(1, 1, -1), Vec3<double>(2, -1, 1)})
       for (int i = 0; i < 100; ++i) {
-        const Mat3<double> f = Mat3<double>(stretches.asDiagonal()) + random.matrix(off);
+        const Mat3<double> f = testing::diagonal(stretches) + random.matrix(off);
         const Mat3<Scalar> r = rotation_of_gradient<Scalar>(f.cast<Scalar>());
-        ASSERT_LT((r - Mat3<Scalar>::Identity()).norm(), 0.1) << "F:\n" << f << "\nR:\n" << r;
+        ASSERT_LT((r - Mat3<Scalar>::Identity()).norm(), 0.1) << "F:\n" << as_eigen(f) << "\nR:\n" << as_eigen(r);
       }
   for (int i = 0; i < 1000; ++i) {
     const Mat3<Scalar> f = (random.rotation() + random.matrix(0.1)).template cast<Scalar>();
-    ASSERT_EQ(rotation_of_gradient<Scalar>(f), (extract_rotation<Polar, Scalar>(f))) << "F:\n" << f;
+    ASSERT_EQ(rotation_of_gradient<Scalar>(f), (extract_rotation<Polar, Scalar>(f))) << "F:\n" << as_eigen(f);
   }
 }
 
@@ -244,7 +253,7 @@ struct NearTie {
     const double middle = gap / 2 + inverted;
     stretches = {std::max(size, middle), middle, -inverted};
     const Mat3<double> left = random.rotation(), right = random.rotation();
-    f = left * stretches.asDiagonal() * right;
+    f = left * testing::diagonal(stretches) * right;
   }
 };
 
@@ -264,8 +273,10 @@ TYPED_TEST(PolarLaw, APreferenceAmongNearlyEqualRotationsChangesLittle) {
     const double rounding = 64 * epsilon * tie.stretches[0];
     // In a long element what float rounds may be more than what makes a choice clear.
     const double allowed = gap > std::max(clear, 8 * rounding) ? 0 : std::sqrt(0.125) * std::max(clear, 8 * rounding);
-    ASSERT_LT(tie.stretches.sum() - s.trace(), allowed + rounding) << "gap " << gap << ", s " << tie.stretches;
-    ASSERT_LT((s - s.transpose()).norm(), allowed + rounding) << "gap " << gap << ", s " << tie.stretches;
+    ASSERT_LT(tie.stretches.sum() - s.trace(), allowed + rounding)
+        << "gap " << gap << ", s " << as_eigen(tie.stretches).transpose();
+    ASSERT_LT((s - s.transpose()).norm(), allowed + rounding)
+        << "gap " << gap << ", s " << as_eigen(tie.stretches).transpose();
     most = std::max(most, (s - s.transpose()).norm());
   }
   EXPECT_GT(most, 1e-4) << "the case must tell";
@@ -282,14 +293,15 @@ TYPED_TEST(PolarLaw, APreferenceAmongNearlyEqualRotationsFadesIn) {
     const Mat3<Scalar> edge = at_clear.f.cast<Scalar>();
     const double determined = at_clear.stretches[0] * epsilon / clear;
     ASSERT_LT((polar_robust<Scalar>(edge, 1) - polar_robust<Scalar>(edge)).norm(), 1e-3 + 64 * determined)
-        << at_clear.stretches;
+        << as_eigen(at_clear.stretches).transpose();
     const Mat3<Scalar> q = polar_robust<Scalar>(edge);  // stationary: the nearest to itself
-    ASSERT_LT((polar_near<Scalar>(edge, q, 1) - q).norm(), 1e-3 + 64 * determined) << at_clear.stretches;
+    ASSERT_LT((polar_near<Scalar>(edge, q, 1) - q).norm(), 1e-3 + 64 * determined)
+        << as_eigen(at_clear.stretches).transpose();
     const NearTie tie(random, size, clear * std::pow(10.0, random.uniform(-1, 1)));
     const Mat3<Scalar> f = tie.f.cast<Scalar>();
     ASSERT_LT((rotation_of_gradient<Scalar>(f) - polar_robust<Scalar>(f, 1)).norm(),
               64 * tie.stretches[0] * epsilon / clear)
-        << tie.stretches;
+        << as_eigen(tie.stretches).transpose();
   }
 }
 
@@ -303,22 +315,24 @@ TYPED_TEST(PolarLaw, AStationaryRotationNearAnotherIsStationary) {
     EXPECT_EQ(polar_near<Scalar>(Mat3<Scalar>::Zero(), near, 1), near);
     const NearTie tie(random, 1, clear * std::pow(10.0, random.uniform(-3, 2)));
     const Mat3<double> r = polar_near<Scalar>(tie.f.cast<Scalar>(), near, 1).template cast<double>();
-    ASSERT_LT(distance_from_rotation(r.template cast<Scalar>().eval()), 16 * epsilon);
+    ASSERT_LT(distance_from_rotation(r.template cast<Scalar>()), 16 * epsilon);
     const Mat3<double> s = r.transpose() * tie.f;
-    ASSERT_LT((s - s.transpose()).norm(), clear / 20 + 64 * epsilon) << tie.stretches;
+    ASSERT_LT((s - s.transpose()).norm(), clear / 20 + 64 * epsilon) << as_eigen(tie.stretches).transpose();
     // None of the four is nearer: R and its half turns about the axes of stretch.
     const Vec3<double>& t = tie.stretches;
     if (2 * std::min({t[1] + t[2], t[0] - t[1], t[1] - t[2]}) < 1.01 * clear) continue;
-    const Eigen::JacobiSVD<Mat3<double>> svd(tie.f, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(as_eigen(tie.f), Eigen::ComputeFullU | Eigen::ComputeFullV);
     const double side = svd.matrixU().determinant() * svd.matrixV().determinant() < 0 ? -1 : 1;
     double best = -1;
     for (const Vec3<double>& sign :
          {Vec3<double>(1, 1, 1), Vec3<double>(1, -1, -1), Vec3<double>(-1, 1, -1), Vec3<double>(-1, -1, 1)}) {
-      const Mat3<double> stationary =
-          svd.matrixU() * (Vec3<double>(1, 1, side).cwiseProduct(sign)).asDiagonal() * svd.matrixV().transpose();
+      const Mat3<double> stationary = svd.matrixU() *
+                                      as_eigen(sign).cwiseProduct(Eigen::Vector3d(1, 1, side)).asDiagonal() *
+                                      svd.matrixV().transpose();
       best = std::max(best, (stationary.transpose() * near.template cast<double>()).trace());
     }
-    ASSERT_GT((r.transpose() * near.template cast<double>()).trace(), best - 1024 * epsilon) << tie.stretches;
+    ASSERT_GT((r.transpose() * near.template cast<double>()).trace(), best - 1024 * epsilon)
+        << as_eigen(tie.stretches).transpose();
   }
 }
 
@@ -329,10 +343,8 @@ TYPED_TEST(PolarLaw, FollowsRotationsOfSpaceAndOfTheRestShape) {
   for (int i = 0; i < 5'000; ++i) {
     const Mat3<double> f = random.rotation() * (Mat3<double>::Identity() + random.matrix(0.1)), q = random.rotation();
     const Mat3<double> r = extract_rotation<Polar, Scalar>(f.template cast<Scalar>()).template cast<double>();
-    const Mat3<double> left =
-        extract_rotation<Polar, Scalar>((q * f).eval().template cast<Scalar>()).template cast<double>();
-    const Mat3<double> right =
-        extract_rotation<Polar, Scalar>((f * q).eval().template cast<Scalar>()).template cast<double>();
+    const Mat3<double> left = extract_rotation<Polar, Scalar>((q * f).template cast<Scalar>()).template cast<double>();
+    const Mat3<double> right = extract_rotation<Polar, Scalar>((f * q).template cast<Scalar>()).template cast<double>();
     const double tolerance = 50 * static_cast<double>(std::numeric_limits<Scalar>::epsilon());
     ASSERT_LT((left - q * r).norm(), tolerance);
     ASSERT_LT((right - r * q).norm(), tolerance);

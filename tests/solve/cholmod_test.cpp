@@ -1,4 +1,5 @@
 // CHOLMOD as the solver of a step gives the steps that our own factorisation gives.
+#include <corotet/core/eigen.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <corotet/solve/cholmod.hpp>
 #include <gtest/gtest.h>
@@ -8,6 +9,8 @@
 
 namespace corotet {
 namespace {
+
+static_assert(LinearSolver<CholmodSolver<float>, float> && LinearSolver<CholmodSolver<double>, double>);
 
 template <class T>
 class Cholmod : public ::testing::Test {};

@@ -1,4 +1,5 @@
 // Preconditioners: their law, what they are good for, and the cases in which parts of them degenerate.
+#include <corotet/rotation/quaternion.hpp>
 #include <corotet/solve/block_jacobi.hpp>
 #include <corotet/solve/pcg.hpp>
 #include <corotet/solve/rigid_aggregates.hpp>
@@ -10,11 +11,17 @@
 
 #include "solve/step_matrices.hpp"
 #include "support/floating_point_traps.hpp"
+#include "support/matrices.hpp"
 
 namespace corotet::preconditioner_test {
 namespace {
 
 using testing::BeamSystem;
+
+template <template <class> class P>
+constexpr bool is_preconditioner = Preconditioner<P<float>, float> && Preconditioner<P<double>, double>;
+static_assert(is_preconditioner<BlockJacobi> && is_preconditioner<RigidAggregates> &&
+              is_preconditioner<WarpedCholesky>);
 
 template <class Scalar>
 PaddedField<Scalar> padded(const Field<Scalar>& field) {
@@ -114,7 +121,7 @@ TYPED_TEST(Preconditioners, PartsThatCannotMoveOrTurnDoNoHarm) {
 TYPED_TEST(Preconditioners, FollowRotations) {
   using Scalar = typename TypeParam::Scalar;
   using Beam = BeamSystem<Scalar, typename TypeParam::Element>;
-  const Mat3<double> turn = Eigen::AngleAxisd(2.5, Vec3<double>(1, -2, 0.5).normalized()).toRotationMatrix();
+  const Mat3<double> turn = rotation_by(2.5 * Vec3<double>(1, -2, 0.5).normalized());
   const Beam still({8, 2, 2});
   Beam turned({8, 2, 2}, 5e5, turn);
   for (std::size_t v = 0; v < turned.right_side.size(); ++v)
@@ -165,7 +172,8 @@ TYPED_TEST(Preconditioners, RecoverFromAMatrixThatCannotBeFactored) {
   using Scalar = typename TypeParam::Scalar;
   const BeamSystem<Scalar, typename TypeParam::Element> good({6, 2, 2});
   BeamSystem<Scalar, typename TypeParam::Element> bad({6, 2, 2});
-  bad.matrix.block(bad.matrix.pattern().diagonal.back()).setConstant(std::numeric_limits<Scalar>::quiet_NaN());
+  bad.matrix.block(bad.matrix.pattern().diagonal.back()) =
+      Mat3<Scalar>::Constant(std::numeric_limits<Scalar>::quiet_NaN());
   SerialExecutor serial;
   const auto expect_recovery = [&](auto& preconditioner) {
     preconditioner.update(bad.system(), serial);
@@ -189,7 +197,7 @@ TYPED_TEST(Preconditioners, AggregatesMadeForACollapsedBodyServeWhenItUnfolds) {
   using Scalar = typename TypeParam::Scalar;
   const BeamSystem<Scalar, typename TypeParam::Element> unfolded({6, 2, 2});
   for (const double stretch : {1.0, 0.0}) {
-    const Mat3<double> flat = Vec3<double>(stretch, 0, 0).asDiagonal();
+    const Mat3<double> flat = testing::diagonal({stretch, 0, 0});
     const BeamSystem<Scalar, typename TypeParam::Element> collapsed({6, 2, 2}, 5e5, flat);
     SerialExecutor serial;
     const auto expect_service = [&](auto&& preconditioner, const char* name) {
@@ -205,8 +213,7 @@ TYPED_TEST(Preconditioners, AggregatesMadeForACollapsedBodyServeWhenItUnfolds) {
 TEST(BlockJacobi, InvertsBlocksOfAnyMagnitude) {
   const auto mesh = testing::block<float, Tet4>({});
   BlockMatrix<float> a(std::make_shared<const BlockPattern>(BlockPattern::of(mesh.elements(), mesh.vertex_count())));
-  Mat3<float> block;
-  block << 4, 1, 0, 1, 3, 1, 0, 1, 2;
+  const Mat3<float> block = testing::of_rows({4, 1, 0}, {1, 3, 1}, {0, 1, 2}).cast<float>();
   SerialExecutor serial;
   const Field<float> any(at(a.rows()), Vec3<float>(1, 2, 3));
   for (const float magnitude : {1e-30f, 1e-15f, 1.0f, 1e15f, 1e30f}) {

@@ -1,4 +1,6 @@
 // The linear solvers: right answers, honest reports.
+#include <corotet/core/eigen.hpp>
+#include <corotet/rotation/quaternion.hpp>
 #include <corotet/solve/auto_solver.hpp>
 #include <gtest/gtest.h>
 
@@ -16,6 +18,8 @@ namespace {
 
 using testing::BeamSystem;
 using testing::dense;
+
+static_assert(LinearSolver<AutoSolver<float>, float> && LinearSolver<AutoSolver<double>, double>);
 
 constexpr std::array all_preconditioners{PreconditionerKind::automatic, PreconditionerKind::jacobi,
                                          PreconditionerKind::block_jacobi, PreconditionerKind::rigid_aggregates,
@@ -38,7 +42,7 @@ TYPED_TEST_SUITE(Solvers, testing::AllCases);
 /// And with each other: whatever the preconditioner, the answer is the same to the tolerance.
 TYPED_TEST(Solvers, AgreeWithADenseFactorisation) {
   using Scalar = typename TypeParam::Scalar;
-  const Mat3<double> turned = Eigen::AngleAxisd(2, Vec3<double>(1, 2, 3).normalized()).toRotationMatrix();
+  const Mat3<double> turned = rotation_by(2 * Vec3<double>(1, 2, 3).normalized());
   const BeamSystem<Scalar, typename TypeParam::Element> beam({4, 2, 2}, 5e5, turned);
   const Eigen::VectorXd exact = dense(beam.matrix).llt().solve(flat(beam.right_side).template cast<double>());
   const double tolerance = sizeof(Scalar) == 4 ? 1e-5 : 1e-12;
@@ -206,7 +210,7 @@ TEST(BlockCholesky, KeepsTheFactorSparseAndRefactorizes) {
     flat(b32) = flat(b).cast<float>();
     rounded.solve(b32, x32);
     EXPECT_LT((flat(x32).cast<double>() - flat(x)).norm(), 1e-3 * flat(x).norm());
-    for (Index i = 0; i < a.rows(); ++i) a.block(a.pattern().diagonal[at(i)]) *= 1.5;
+    for (const Index slot : a.pattern().diagonal) a.block(slot) = 1.5 * a.block(slot).value();
   }
 }
 

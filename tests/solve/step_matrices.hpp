@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <corotet/assembly/assemble.hpp>
 #include <corotet/assembly/mass.hpp>
+#include <corotet/core/eigen.hpp>
 #include <corotet/rotation/polar.hpp>
 #include <corotet/solve/step_system.hpp>
 #include <cstdint>
@@ -58,7 +59,7 @@ Eigen::MatrixXd dense(const BlockMatrix<Scalar>& a) {
   Eigen::MatrixXd d = Eigen::MatrixXd::Zero(3 * a.rows(), 3 * a.rows());
   for (Index i = 0; i < a.rows(); ++i)
     for (Index s = p.row_start[at(i)]; s < p.row_start[at(i) + 1]; ++s)
-      d.block<3, 3>(3 * i, 3 * p.column[at(s)]) = a.block(s).template cast<double>();
+      d.block<3, 3>(3 * i, 3 * p.column[at(s)]) = as_eigen(a.block(s)).template cast<double>();
   return d;
 }
 

@@ -75,7 +75,7 @@ auto displacement_of(const Mesh& mesh, Map&& map) {
   using Scalar = typename Mesh::scalar_type;
   Field<Scalar> u;
   for (const auto& x : mesh.positions())
-    u.push_back((map(x.template cast<double>().eval()) - x.template cast<double>()).template cast<Scalar>());
+    u.push_back((map(x.template cast<double>()) - x.template cast<double>()).template cast<Scalar>());
   return u;
 }
 
@@ -135,7 +135,7 @@ class EnergyWatch {
 /// About the centre of mass, kg m^2/s.
 template <class Body>
 Vec3<double> angular_momentum(const Body& body) {
-  const auto position = [&](Index v) { return body.position(v).template cast<double>().eval(); };
+  const auto position = [&](Index v) { return body.position(v).template cast<double>(); };
   Vec3<double> centre = Vec3<double>::Zero(), sum = Vec3<double>::Zero();
   for (Index v = 0; v < body.vertex_count(); ++v)
     centre += double(body.mass().row_sum(v)) * position(v) / body.mass().total();

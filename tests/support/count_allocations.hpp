@@ -1,5 +1,5 @@
-// Counts the program's heap allocations. Include in one file of a test program only: it replaces operator new, and
-// wraps malloc, which Eigen uses.
+// Counts the program's heap allocations. Include in one file of a test program only: it wraps malloc, which operator
+// new uses.
 #pragma once
 
 #include <atomic>

@@ -5,6 +5,7 @@
 #include <corotet/assembly/assemble.hpp>
 #include <corotet/assembly/elasticity.hpp>
 #include <corotet/assembly/mass.hpp>
+#include <corotet/core/eigen.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
 #include <corotet/rotation/polar.hpp>
 #include <memory>
@@ -51,7 +52,7 @@ struct Rig {
     Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(3 * k.rows(), 3 * k.rows());
     for (Index i = 0; i < k.rows(); ++i)
       for (Index s = pattern->row_start[at(i)]; s < pattern->row_start[at(i) + 1]; ++s)
-        dense.block<3, 3>(3 * i, 3 * pattern->column[at(s)]) = k.block(s).template cast<double>();
+        dense.block<3, 3>(3 * i, 3 * pattern->column[at(s)]) = as_eigen(k.block(s)).template cast<double>();
     return dense;
   }
 };

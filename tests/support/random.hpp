@@ -2,6 +2,7 @@
 #pragma once
 
 #include <corotet/core/types.hpp>
+#include <corotet/rotation/quaternion.hpp>
 #include <random>
 
 namespace corotet::testing {
@@ -28,7 +29,7 @@ class Random {
   /// Uniform over the rotation group.
   Mat3<double> rotation() {
     const double w = normal(), x = normal(), y = normal(), z = normal();
-    return Eigen::Quaterniond(w, x, y, z).normalized().toRotationMatrix();
+    return rotation_of(Matrix<double, 4, 1>(w, x, y, z).normalized());
   }
 
  private:

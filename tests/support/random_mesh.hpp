@@ -46,8 +46,9 @@ class Delaunay {
     Mat3<double> edges;
     Vec3<double> half;
     for (int i = 0; i < 3; ++i) {
-      edges.row(i) = points_[at(t[at(i) + 1])] - points_[at(t[0])];
-      half[i] = edges.row(i).squaredNorm() / 2;
+      const Vec3<double> edge = points_[at(t[at(i) + 1])] - points_[at(t[0])];
+      edges.set_row(i, edge.transpose());
+      half[i] = edge.squaredNorm() / 2;
     }
     const Vec3<double> centre = edges.inverse() * half;
     return (x - points_[at(t[0])] - centre).squaredNorm() < centre.squaredNorm();
@@ -91,7 +92,7 @@ inline MeshData random_mesh(Random& random, Index points, const Vec3<double>& si
   MeshData mesh;
   for (const Vec3<double>& x : delaunay.points()) mesh.positions.emplace_back(x.cwiseProduct(size));
   for (const Delaunay::Tet& t : delaunay.tets()) {
-    const auto edge = [&](std::size_t a) { return (mesh.positions[at(t[a])] - mesh.positions[at(t[0])]).eval(); };
+    const auto edge = [&](std::size_t a) { return mesh.positions[at(t[a])] - mesh.positions[at(t[0])]; };
     const double longest = std::max({edge(1).norm(), edge(2).norm(), edge(3).norm()});
     if (edge(1).cross(edge(2)).dot(edge(3)) > 1e-5 * longest * longest * longest)
       mesh.connectivity.insert(mesh.connectivity.end(), t.begin(), t.end());

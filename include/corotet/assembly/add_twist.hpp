@@ -7,7 +7,7 @@
 #include <corotet/core/types.hpp>
 #include <cstddef>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 namespace detail {
 
@@ -15,7 +15,8 @@ namespace detail {
 template <std::floating_point Scalar, class Evaluation>
 [[nodiscard]] Mat3<Scalar> twist_block(const Evaluation& state, std::size_t q, const Mat3<Scalar>& h, std::size_t row,
                                        std::size_t column) {
-  const Vec3<Scalar> ga = Vec3<Scalar>::load(state.gradient(q, row)), gb = Vec3<Scalar>::load(state.gradient(q, column));
+  const Vec3<Scalar> ga = Vec3<Scalar>::load(state.gradient(q, row)),
+                     gb = Vec3<Scalar>::load(state.gradient(q, column));
   Mat3<Scalar> turned, block;
   for (int k = 0; k < 3; ++k) turned.set_col(k, ga.cross(h.col(k)));
   for (int k = 0; k < 3; ++k) block.set_row(k, gb.cross(turned.row(k).transpose()).transpose());
@@ -73,4 +74,4 @@ void add_twist(const Law& law, const typename Law::Evaluation& state, Scalar fac
   });
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 namespace detail {
 
@@ -94,4 +94,4 @@ void assemble(const Law& law, const typename Law::Evaluation& state, const Mass<
     run.template operator()<false, false>();
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// The values of a symmetric matrix on a BlockPattern, which it shares. Both triangles are stored, so that rows can be
 /// multiplied side by side; one triangle alone is a quarter faster on one thread (docs/speed.md).
@@ -123,4 +123,4 @@ class BlockMatrix {
   std::vector<Scalar> value_;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

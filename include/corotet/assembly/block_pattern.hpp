@@ -8,7 +8,7 @@
 #include <numeric>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Sets of vertices that a term of the energy couples besides those of an element: group g has the vertices
 /// vertex[start[g]] ... vertex[start[g + 1] - 1], each once.
@@ -169,4 +169,4 @@ struct BlockPattern {
   }
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -7,7 +7,7 @@
 #include <corotet/core/lanes.hpp>
 #include <corotet/core/types.hpp>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 struct DeformationExtremes {
   Index inverted_elements = 0;      ///< elements with det F <= 0 at a quadrature point
@@ -65,4 +65,4 @@ struct DeformationExtremesLanes {
   }
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Each element is in one patch. Patches, elements in a patch and vertices of a patch are in fixed order.
 struct DilatationPatches {
@@ -231,4 +231,4 @@ template <std::floating_point Scalar>
   return detail::PatchGrower(mesh).result();
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

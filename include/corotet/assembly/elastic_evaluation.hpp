@@ -10,7 +10,7 @@
 #include <corotet/element/element_batch.hpp>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Scratch that Elasticity::evaluate fills. Sized once; evaluating allocates nothing. Vectors are stored as Quads: what
 /// assembly reads of an element's node comes in one load.
@@ -170,4 +170,4 @@ class StiffnessSum {
   std::array<Q, 3> lambda_{Q(Scalar(0)), Q(Scalar(0)), Q(Scalar(0))}, mu_{Q(Scalar(0)), Q(Scalar(0)), Q(Scalar(0))};
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -25,7 +25,7 @@
 #include <span>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// The elastic law of a body. What depends on the displacement is written into an ElasticEvaluation, so that one law
 /// can serve several bodies and threads.
@@ -278,4 +278,4 @@ class Elasticity {
   Mean mean_;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

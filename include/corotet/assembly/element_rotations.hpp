@@ -8,7 +8,7 @@
 #include <corotet/rotation/rotation_extractor.hpp>
 #include <cstddef>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// The mean of F over the points of each element, by volume.
 template <class Batch, std::floating_point Scalar, std::size_t points>
@@ -62,4 +62,4 @@ void extract_rotations(const Batch& batch, const std::array<Mat3Lanes<Scalar>, p
   }
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -12,7 +12,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 enum class MassModel {
   /// Diagonal of the consistent matrix, scaled to the element's mass (Hinton, Rock & Zienkiewicz 1976). For Tet4 the
@@ -121,4 +121,4 @@ struct RayleighDamping {
   double stiffness = 0;  ///< s, >= 0: damps fast vibration
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

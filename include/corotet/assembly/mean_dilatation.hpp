@@ -15,7 +15,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// What resists a change of volume, theta = tr(R^T F) - 3.
 enum class Dilatation {
@@ -204,4 +204,4 @@ class MeanDilatation {
   std::vector<std::array<std::uint8_t, Element::nodes>> local_;  // of its nodes in the patch's vertices
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

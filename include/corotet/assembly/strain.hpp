@@ -5,7 +5,7 @@
 #include <corotet/core/lanes.hpp>
 #include <corotet/core/types.hpp>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// sym(R^T F) - I: xx yy zz yz zx xy.
 template <std::floating_point Scalar>
@@ -35,4 +35,4 @@ template <std::floating_point Scalar>
   return e;
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// The matrix in which a step's elastic force is linearised. All three give the same motion once Newton's iteration has
 /// converged; with one solve a step they differ.
@@ -185,4 +185,4 @@ class TwistModes {
   std::vector<std::array<Scalar, 8>> value_;  // [point][element], two of eight unused
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

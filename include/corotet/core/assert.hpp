@@ -1,7 +1,7 @@
 // Misuse that a programmer can prevent is an assertion, with a handler that the host program can replace.
 #pragma once
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Called when an assertion fails. `expression` is the source text, `message` says what the caller should change.
 /// If the handler returns, the program goes on as if the check were not there.
@@ -21,7 +21,7 @@ using AssertHandler = void (*)(const char* expression, const char* message, cons
 /// The handler in force, program-wide. Assign to replace it, before other threads use the library.
 inline AssertHandler assert_handler = &trap_on_assert;
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1
 
 // Checks are on unless NDEBUG is set; either way the layout of every type and every result stay the same.
 #if defined(NDEBUG)

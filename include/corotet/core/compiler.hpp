@@ -7,20 +7,25 @@
 #define COROTET_ALWAYS_INLINE inline
 #endif
 
-// A function of which there is one copy in machine code.
-#if defined(__clang__)
-#define COROTET_NEVER_INLINE __attribute__((noinline))
-#elif defined(__GNUC__)
-#define COROTET_NEVER_INLINE __attribute__((noinline, noclone))
-#elif defined(_MSC_VER)
-#define COROTET_NEVER_INLINE __declspec(noinline)
-#else
-#define COROTET_NEVER_INLINE
-#endif
-
 // Before a loop over a few registers: at -O2, GCC 12 keeps them in memory unless the loop is unrolled.
 #if defined(__GNUC__) && !defined(__clang__)
 #define COROTET_UNROLL _Pragma("GCC unroll 8")
 #else
 #define COROTET_UNROLL
+#endif
+
+// The instruction set that a source is compiled for. Types that live in registers are in an inline namespace of this
+// name: sources of one program that are compiled for several share all data, but no function that passes registers.
+#if !defined(__GNUC__)
+#define COROTET_ISA isa_generic
+#elif defined(__AVX512F__)
+#define COROTET_ISA isa_avx512
+#elif defined(__AVX2__) && defined(__FMA__)
+#define COROTET_ISA isa_avx2_fma
+#elif defined(__AVX2__)
+#define COROTET_ISA isa_avx2
+#elif defined(__AVX__)
+#define COROTET_ISA isa_avx
+#else
+#define COROTET_ISA isa_baseline
 #endif

@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// Owns a T and copies it with itself. A class that holds its parts so is moved by one pointer, not part by part in
 /// each file that moves it.
@@ -31,4 +31,4 @@ class DeepPointer {
   std::unique_ptr<T> value_;  // empty only after a move
 };
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

@@ -9,7 +9,7 @@
 
 #include <corotet/core/types.hpp>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// All degrees of freedom of a body: vertex-major, x y z of vertex 0, then of vertex 1, ...
 template <std::floating_point Scalar>
@@ -41,4 +41,4 @@ template <std::floating_point Scalar, int R, int C>
   return Eigen::Map<Eigen::Matrix<Scalar, R, C>>(&m(0, 0));
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

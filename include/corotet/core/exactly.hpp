@@ -4,7 +4,7 @@
 #include <concepts>
 #include <corotet/core/compiler.hpp>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 // The one place that compares by ==, so that -Wfloat-equal of a program finds nothing in the library.
 #if defined(__GNUC__) || defined(__clang__)
@@ -24,4 +24,4 @@ template <std::floating_point T>
   return exactly_equal(a, T(0));
 }
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

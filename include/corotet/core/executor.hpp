@@ -7,7 +7,7 @@
 #include <memory>
 #include <type_traits>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Law: `executor(count, task)` calls `task(i)` exactly once for every i in [0, count), in any order and on any
 /// threads, and returns when all of them have returned. A job system is adapted by a lambda:
@@ -29,9 +29,8 @@ class TaskRef {
   template <std::invocable<Index> Task>
     requires(!std::same_as<std::remove_cvref_t<Task>, TaskRef>)
   TaskRef(Task&& task)  // NOLINT(google-explicit-constructor, bugprone-forwarding-reference-overload): as the task
-      : object_(const_cast<void*>(static_cast<const void*>(std::addressof(task)))), call_([](void* object, Index i) {
-          (*static_cast<std::remove_reference_t<Task>*>(object))(i);
-        }) {}
+      : object_(const_cast<void*>(static_cast<const void*>(std::addressof(task)))),
+        call_([](void* object, Index i) { (*static_cast<std::remove_reference_t<Task>*>(object))(i); }) {}
 
   void operator()(Index i) const { call_(object_, i); }
 
@@ -44,8 +43,7 @@ class TaskRef {
 /// executor so: they are compiled once, and compute the same bits with every executor.
 class ExecutorRef {
  public:
-  ExecutorRef()
-      : object_(nullptr), run_([](void*, Index count, TaskRef task) { SerialExecutor()(count, task); }) {}
+  ExecutorRef() : object_(nullptr), run_([](void*, Index count, TaskRef task) { SerialExecutor()(count, task); }) {}
   template <class E>
     requires(!std::same_as<std::remove_cvref_t<E>, ExecutorRef> && Executor<std::remove_reference_t<E>>)
   ExecutorRef(E&& executor)  // NOLINT(google-explicit-constructor, bugprone-forwarding-reference-overload)
@@ -82,10 +80,10 @@ struct RangeTask {
 template <std::invocable<Index, Index> Body>
 void for_ranges(ExecutorRef executor, Index count, Index grain, Body&& body) {
   using Plain = std::remove_reference_t<Body>;
-  const detail::RangeTask task{
-      const_cast<void*>(static_cast<const void*>(std::addressof(body))),
-      [](void* object, Index begin, Index end) { (*static_cast<Plain*>(object))(begin, end); }, count, grain};
+  const detail::RangeTask task{const_cast<void*>(static_cast<const void*>(std::addressof(body))),
+                               [](void* object, Index begin, Index end) { (*static_cast<Plain*>(object))(begin, end); },
+                               count, grain};
   executor((count + grain - 1) / grain, task);
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

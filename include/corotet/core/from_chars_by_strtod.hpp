@@ -12,7 +12,7 @@
 #include <xlocale.h>  // strtod_l of macOS and FreeBSD
 #endif
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// Where the decimal number at `first` ends; `first` if there is none. An optional '-', digits with a point before,
 /// between or behind them, an optional exponent with its optional sign.
@@ -89,4 +89,4 @@ namespace corotet::detail {
   return {end, std::errc{}};
 }
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

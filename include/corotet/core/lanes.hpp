@@ -12,7 +12,7 @@
 #include <cstring>
 #include <utility>
 
-namespace corotet {
+namespace corotet::inline v0_1::inline COROTET_ISA {
 
 /// Elements in a batch: 16 in float, 8 in double (64 bytes). The same on every machine, whatever its vector width, so
 /// that layout does not depend on compiler flags. (Results may, in the last bit: -mfma fuses products and sums.)
@@ -21,7 +21,7 @@ inline constexpr int lane_count = sizeof(Scalar) <= 4 ? 16 : 8;
 
 /// One truth value of each element in a batch.
 template <std::floating_point Scalar>
-class LaneMask {
+class alignas(64) LaneMask {
  public:
   using Integer = detail::MaskInteger<Scalar>;
   using Bits = detail::Pack<Integer, lane_count<Scalar>>;
@@ -206,4 +206,4 @@ void product_with_transpose(const Mat3Lanes<Scalar>& a, const Mat3Lanes<Scalar>&
     for (int j = 0; j < 3; ++j) abt(i, j) = a(i, 0) * b(j, 0) + a(i, 1) * b(j, 1) + a(i, 2) * b(j, 2);
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1::inline COROTET_ISA

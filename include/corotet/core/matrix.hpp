@@ -7,7 +7,7 @@
 #include <corotet/core/compiler.hpp>
 #include <cstddef>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 template <std::floating_point T, int R, int C>
 struct Matrix;
@@ -383,4 +383,4 @@ class MatrixView {
   T* numbers_;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -9,30 +9,30 @@
 
 // libc++ has no std::from_chars of double: there fast_float stands in where it is found, else the C library.
 #if defined(__cpp_lib_to_chars) && __cpp_lib_to_chars >= 201611L
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 inline constexpr auto from_chars_of_double = [](const char* first, const char* last, double& value) {
   return std::from_chars(first, last, value);
 };
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail
 #elif __has_include(<fast_float/fast_float.h>)
 #include <corotet/core/macros_off.hpp>
 
 #include <fast_float/fast_float.h>
 
 #include <corotet/core/macros_on.hpp>
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 inline constexpr auto from_chars_of_double = [](const char* first, const char* last, double& value) {
   return fast_float::from_chars(first, last, value);
 };
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail
 #else
 #include <corotet/core/from_chars_by_strtod.hpp>
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 inline constexpr auto from_chars_of_double = from_chars_by_strtod;
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail
 #endif
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// What a text begins with. Where that is no number, `end` is where the text begins.
 struct ParsedNumber {
@@ -83,4 +83,4 @@ template <class FromChars = decltype(from_chars_of_double)>
   return {value, end};
 }
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

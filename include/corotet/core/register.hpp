@@ -10,7 +10,8 @@
 #include <utility>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
+inline namespace COROTET_ISA {
 
 /// N numbers (a power of two) with the arithmetic of one. Loads and stores may be unaligned. Code that keeps fewer than
 /// N numbers that matter in it reads N all the same, and lets those behind them reach nothing.
@@ -100,6 +101,8 @@ class Register {
 template <std::floating_point Scalar>
 using Quad = Register<Scalar, 4>;
 
+}  // namespace COROTET_ISA
+
 /// A field in which each 3-vector has a zero behind it, so that it is loaded and stored as a Quad.
 template <std::floating_point Scalar>
 struct alignas(4 * sizeof(Scalar)) PaddedVector : std::array<Scalar, 4> {
@@ -114,4 +117,4 @@ struct alignas(4 * sizeof(Scalar)) PaddedVector : std::array<Scalar, 4> {
 template <std::floating_point Scalar>
 using PaddedField = std::vector<PaddedVector<Scalar>>;
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// What kind of thing went wrong; the texts of Error say exactly what, where and why.
 enum class ErrorCode {
@@ -92,4 +92,4 @@ class [[nodiscard]] Result<void> {
   std::optional<Error> error_;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

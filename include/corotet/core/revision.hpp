@@ -1,15 +1,24 @@
-// Numbers that tell whether something has changed since.
+// Marks that tell whether something has changed since.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
-/// Different at every call, on any thread; never 0.
-[[nodiscard]] inline std::uint64_t new_revision() {
+/// One state of something, another than any other in the program. Without a state of its own (the default) it equals no
+/// other but that.
+struct Revision {
+  const void* module = nullptr;  ///< of the program that numbered it: shared libraries may count each for itself
+  std::uint64_t number = 0;
+
+  friend bool operator==(const Revision&, const Revision&) = default;
+};
+
+/// Another at every call, on any thread, in any shared library.
+[[nodiscard]] inline Revision new_revision() {
   static std::atomic<std::uint64_t> last{0};
-  return last.fetch_add(1, std::memory_order_relaxed) + 1;
+  return {&last, last.fetch_add(1, std::memory_order_relaxed) + 1};
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -13,7 +13,7 @@
 // several times as long). Elsewhere a value stands alone, and the optimiser finds the vectors as well as it can. The
 // layout is the same everywhere.
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail::inline COROTET_ISA {
 
 /// Bytes in the widest register.
 #if !defined(__GNUC__)
@@ -118,4 +118,4 @@ template <class Result, class Function, class P, class... Q>
   }
 }
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail::inline COROTET_ISA

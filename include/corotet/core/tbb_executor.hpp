@@ -8,7 +8,7 @@
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// An Executor on the oneTBB arena of the calling thread: call from inside `arena.execute(...)`, or set a
 /// `tbb::global_control`, to bound the number of threads. oneTBB keeps its own pool of task objects: that a step
@@ -25,4 +25,4 @@ struct TbbExecutor {
 
 static_assert(Executor<TbbExecutor>);
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

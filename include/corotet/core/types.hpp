@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Index of a vertex, an element or a block. Signed, so that differences are safe.
 using Index = std::int32_t;
@@ -38,4 +38,4 @@ template <class Container>
 /// An Index as an array subscript.
 [[nodiscard]] constexpr std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

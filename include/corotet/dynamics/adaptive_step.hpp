@@ -6,6 +6,7 @@
 #include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/result.hpp>
+#include <corotet/core/revision.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/step_phase.hpp>
 #include <corotet/dynamics/step_report.hpp>
@@ -13,7 +14,7 @@
 #include <string_view>
 #include <utility>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// What becomes of a step that cannot be trusted. StepReport::distrust says why in each case.
 enum class Untrusted : std::uint8_t {
@@ -66,7 +67,7 @@ class AdaptiveStep {
       velocity_ = body.velocities();
       target_ = body.pins().targets();
     }
-    const std::uint64_t start = body.motion_revision();
+    const Revision start = body.motion_revision();
     if (motion_ != start) {
       before_ = {};
       known_ = std::all_of(body.displacements().begin(), body.displacements().end(),
@@ -101,7 +102,7 @@ class AdaptiveStep {
 
   /// Goes through h in so many equal parts; where there is another attempt, only up to the first that cannot be
   /// trusted.
-    StepReport go_through(Body& body, Scalar h, int parts, bool last, ExecutorRef executor, PhaseObserver observer) {
+  StepReport go_through(Body& body, Scalar h, int parts, bool last, ExecutorRef executor, PhaseObserver observer) {
     StepReport all, before = before_;
     bool known = known_;
     for (int part = 1; part <= parts; ++part) {
@@ -165,10 +166,10 @@ class AdaptiveStep {
   // Of the state that a step begins in: whether its deformation is known, and if so the report that tells it.
   bool known_ = false;
   StepReport before_;
-  std::uint64_t motion_ = 0;  // in which the last step that was kept ended; no body has 0
+  Revision motion_;  // in which the last step that was kept ended
 };
 
 template <class Integrator, class Body>
 AdaptiveStep(Integrator, const Body&) -> AdaptiveStep<Integrator, Body>;
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/instances.hpp>
+#include <corotet/core/revision.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/implicit_step.hpp>
 #include <corotet/dynamics/newton_options.hpp>
@@ -14,10 +15,9 @@
 #include <corotet/solve/auto_solver.hpp>
 #include <corotet/solve/range_sum.hpp>
 #include <corotet/solve/solver.hpp>
-#include <cstdint>
 #include <utility>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// v' = vbar + c M^-1 (f_ext + f_el(x') - D v'), x' = xbar + c v'. With steps of equal length c = 2h/3,
 /// xbar = (4 x - x_before) / 3 and vbar likewise; in general, with w = h / h_before, c = h (1 + w) / (1 + 2 w) and
@@ -68,7 +68,7 @@ class Bdf2 {
   Field<Scalar> last_position_, last_velocity_;  // before the last step
   Field<Scalar> position_, velocity_;            // xbar, vbar
   Scalar last_h_ = 0;
-  std::uint64_t motion_ = 0;  // of the state after the last step, if it can be continued; no body has 0
+  Revision motion_;  // of the state after the last step, if it can be continued
 };
 
 template <class Body>
@@ -102,13 +102,14 @@ StepReport Bdf2<Body, Solver>::step(Body& body, Scalar h, ExecutorRef executor, 
   if (!report.accepted()) return report;
   implicit_.swap_previous_state(last_position_, last_velocity_);
   last_h_ = h;
-  motion_ = report.inverted_elements == 0 ? body.motion_revision() : 0;
+  motion_ = report.inverted_elements == 0 ? body.motion_revision() : Revision{};
   return report;
 }
 
 template <class Body, class Solver>
   requires LinearSolver<Solver, typename Body::scalar_type>
-typename Body::scalar_type Bdf2<Body, Solver>::extrapolate(const Body& body, Scalar h, Scalar lead, ExecutorRef executor) {
+typename Body::scalar_type Bdf2<Body, Solver>::extrapolate(const Body& body, Scalar h, Scalar lead,
+                                                           ExecutorRef executor) {
   const auto sums = sums_(executor, [&](Index begin, Index end) {
     RangeSums<8>::Sums part{};
     for (Index i = begin; i < end; ++i) {
@@ -137,4 +138,4 @@ typename Body::scalar_type Bdf2<Body, Solver>::extrapolate(const Body& body, Sca
 
 COROTET_INSTANCES_OF_BODY(Bdf2)
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

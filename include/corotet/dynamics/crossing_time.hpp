@@ -13,7 +13,7 @@
 #include <limits>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// 4 V / A of the rest shape, m: the side of a long square bar, twice the thickness of a plate. A is the sum of the
 /// vertices' area vectors' lengths, |sum V grad N| each: somewhat too small at edges.
@@ -45,4 +45,4 @@ template <std::floating_point Scalar, ReferenceElement Element>
   return thickness * std::sqrt(least);
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/revision.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/step_equation.hpp>
 #include <corotet/solve/range_sum.hpp>
-#include <cstdint>
 #include <limits>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// The energy after a step against that before it and what forces, gravity and pins have given. Backward Euler, solved,
 /// never gains any where the elastic energy is convex along the step: v' . M (v' - v) >= (v' . M v' - v . M v) / 2 and
@@ -116,7 +116,7 @@ class EnergyBalance {
   RangeSums<5> sums_;
   double vertices_;
   double elastic_ = 0, elastic_after_ = 0, gained_ = 0, kinetic_ = 0, excess_ = 0;  // J
-  std::uint64_t revision_ = 0;  // of the body that has elastic_after_
+  Revision revision_;  // of the body that has elastic_after_
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

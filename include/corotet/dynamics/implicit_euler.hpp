@@ -12,7 +12,7 @@
 #include <corotet/solve/solver.hpp>
 #include <utility>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// v' = v + h M^-1 (f_ext + f_el(x') - D v'), x' = x + h v'. With one solve a step, the default, that is
 /// (M + h D + h^2 K) dv = h (f_ext + f_el(x) - D v) - h^2 K v, then v += dv, x += h v, with K at the start of the step:
@@ -62,4 +62,4 @@ StepReport ImplicitEuler<Body, Solver>::step(Body& body, Scalar h, ExecutorRef e
 
 COROTET_INSTANCES_OF_BODY(ImplicitEuler)
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -20,7 +20,7 @@
 #include <corotet/solve/solver.hpp>
 #include <utility>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Solves a StepFormula, by one linear solve or by Newton's method, and moves the body. Owns all that a step needs
 /// besides the body: made once for a body and its copies, then `advance` allocates nothing.
@@ -94,7 +94,8 @@ class ImplicitStep {
 
  private:
   /// One step of `most` linear solves at most.
-  StepReport attempt(Body& body, const StepFormula<Scalar>& formula, int most, bool free, ExecutorRef executor, PhaseObserver observer) {
+  StepReport attempt(Body& body, const StepFormula<Scalar>& formula, int most, bool free, ExecutorRef executor,
+                     PhaseObserver observer) {
     StepReport report;
     const bool newton = most > 1;
     equation_.project_twist(false);
@@ -293,4 +294,4 @@ class ImplicitStep {
   EnergyBalance<Body> balance_;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

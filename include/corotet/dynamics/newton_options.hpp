@@ -3,7 +3,7 @@
 
 #include <corotet/assembly/twist_modes.hpp>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 struct NewtonOptions {
   /// Linear solves a step, at most, >= 1. One: the force is linearised once (Müller & Gross 2004), which is enough for
@@ -23,4 +23,4 @@ struct NewtonOptions {
   bool bounds_energy = true;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -5,10 +5,9 @@
 #include <corotet/core/assert.hpp>
 #include <corotet/core/revision.hpp>
 #include <corotet/core/types.hpp>
-#include <cstdint>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// A set of pinned vertices, each with the displacement (m, from rest) that it must have after the next step.
 template <std::floating_point Scalar>
@@ -57,14 +56,14 @@ class Pins {
   [[nodiscard]] const Field<Scalar>& targets() const { return targets_; }
 
   /// Another number whenever the set of pinned vertices is another; targets do not matter.
-  [[nodiscard]] std::uint64_t revision() const { return revision_; }
+  [[nodiscard]] Revision revision() const { return revision_; }
 
  private:
   static constexpr Index none = -1;
   std::vector<Index> slot_;  // one a vertex
   std::vector<Index> vertices_;
   Field<Scalar> targets_;
-  std::uint64_t revision_ = new_revision();
+  Revision revision_ = new_revision();
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -14,14 +14,13 @@
 #include <corotet/dynamics/pins.hpp>
 #include <corotet/material/material.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
-#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 struct BodyOptions {
   MassModel mass = MassModel::lumped;
@@ -99,16 +98,16 @@ class SoftBody {
   /// How long sound takes through the body where it is thin, s: see thickness.
   [[nodiscard]] double crossing_time() const { return crossing_time_; }
 
-  /// Another number than that of any body with other materials or another mesh.
-  [[nodiscard]] std::uint64_t material_revision() const { return material_revision_; }
+  /// Another than that of any body with other materials or another mesh.
+  [[nodiscard]] Revision material_revision() const { return material_revision_; }
 
-  /// A number that stands for these displacements and materials: no other state of any body with this mesh has it, but
+  /// Stands for these displacements and materials: no other state of any body with this mesh has it, but
   /// copies of this one. Lets an integrator keep what it evaluated.
-  [[nodiscard]] std::uint64_t revision() const { return revision_; }
+  [[nodiscard]] Revision revision() const { return revision_; }
 
   /// The same for displacements and velocities. Lets an integrator that remembers steps know that this is where the
   /// last one ended.
-  [[nodiscard]] std::uint64_t motion_revision() const { return motion_revision_; }
+  [[nodiscard]] Revision motion_revision() const { return motion_revision_; }
 
   /// For integrators: takes the new state by exchange of buffers, which must be finite and of the body's length.
   void swap_state(Field<Scalar>& displacement, Field<Scalar>& velocity);
@@ -127,9 +126,9 @@ class SoftBody {
   Pins<Scalar> pins_;
   Field<Scalar> displacement_, velocity_, external_force_;
   Vec3<Scalar> gravity_ = Vec3<Scalar>::Zero();
-  std::uint64_t revision_ = new_revision();
-  std::uint64_t material_revision_ = revision_;
-  std::uint64_t motion_revision_ = revision_;
+  Revision revision_ = new_revision();
+  Revision material_revision_ = revision_;
+  Revision motion_revision_ = revision_;
 };
 
 // Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
@@ -149,7 +148,9 @@ SoftBody<Scalar, Element, Rotation>::SoftBody(Mesh mesh, const Materials& materi
       external_force_(displacement_) {}
 
 template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
-Result<SoftBody<Scalar, Element, Rotation>> SoftBody<Scalar, Element, Rotation>::create(Mesh mesh, const Materials& materials, const BodyOptions& options) {
+Result<SoftBody<Scalar, Element, Rotation>> SoftBody<Scalar, Element, Rotation>::create(Mesh mesh,
+                                                                                        const Materials& materials,
+                                                                                        const BodyOptions& options) {
   if (Result<void> s = materials.template validate<Scalar>(at(mesh.element_count())); !s) return s.error();
   for (const double damping : {options.damping.mass, options.damping.stiffness})
     if (!std::isfinite(damping) || damping < 0)
@@ -193,18 +194,18 @@ void SoftBody<Scalar, Element, Rotation>::swap_state(Field<Scalar>& displacement
 }
 
 template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
-Result<void> SoftBody<Scalar, Element, Rotation>::check_field(const char* name, std::span<const Vec3<Scalar>> field) const {
+Result<void> SoftBody<Scalar, Element, Rotation>::check_field(const char* name,
+                                                              std::span<const Vec3<Scalar>> field) const {
   if (field.size() != displacement_.size())
     return Error{
         ErrorCode::invalid_argument, name,
         "there are " + std::to_string(field.size()) + " for " + std::to_string(displacement_.size()) + " vertices"};
   for (std::size_t v = 0; v < field.size(); ++v)
     if (!all_finite(field[v]))
-      return Error{ErrorCode::non_finite_value, std::string(name) + " of vertex " + std::to_string(v),
-                   "is not finite"};
+      return Error{ErrorCode::non_finite_value, std::string(name) + " of vertex " + std::to_string(v), "is not finite"};
   return {};
 }
 
 COROTET_INSTANCES_OF_ELEMENT(SoftBody)
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -7,7 +7,7 @@
 #include <corotet/dynamics/step_report.hpp>
 #include <span>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Steps `bodies[i]` by `integrators[i]`, which was made for it or for a copy of it, by `h` seconds; `reports[i]` tells
 /// how that ended. The three have the same length. Bodies are handed to the executor a few at a time and each is
@@ -26,4 +26,4 @@ void step_bodies(std::span<Integrator> integrators, std::span<Body> bodies, type
   });
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

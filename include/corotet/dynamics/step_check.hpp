@@ -8,7 +8,7 @@
 #include <corotet/solve/solver.hpp>
 #include <cstddef>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// The report of a step that is not made: the body is as it was. `vertex`: the culprit, if there is one.
 [[nodiscard]] inline StepReport refused(StepReport report, Refusal why, Index vertex = -1) {
@@ -33,4 +33,4 @@ template <class Body>
   return {};
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

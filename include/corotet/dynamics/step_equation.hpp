@@ -8,6 +8,7 @@
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/revision.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/system_era.hpp>
 #include <corotet/solve/range_sum.hpp>
@@ -15,7 +16,7 @@
 #include <limits>
 #include <optional>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// What an integrator asks for: v = vbar + c M^-1 (f_ext + f_el(x) - D v), x = xbar + c v.
 template <std::floating_point Scalar>
@@ -63,7 +64,7 @@ class StepEquation {
   void project_twist(bool on) {
     const bool before = evaluation_.twist.projects();
     evaluation_.twist.project(on);
-    if (evaluation_.twist.projects() != before) revision_ = 0;
+    if (evaluation_.twist.projects() != before) revision_ = {};
   }
 
   /// Before a step with this c, s. A bar that is pulled straightens by the stress s, besides its stiffness in bending.
@@ -72,7 +73,7 @@ class StepEquation {
   void prepare(const Body& body, Scalar c) {
     const Scalar before = evaluation_.twist.left();
     evaluation_.twist.leave((std::min)(0.5, body.crossing_time() / double(c)));
-    if (!detail::exactly_equal(evaluation_.twist.left(), before)) revision_ = 0;
+    if (!detail::exactly_equal(evaluation_.twist.left(), before)) revision_ = {};
   }
 
   /// Evaluates the body's displacement, unless that is what was evaluated last.
@@ -84,7 +85,7 @@ class StepEquation {
 
   /// Evaluates another displacement.
   void evaluate(const Body& body, const Field<Scalar>& displacement, ExecutorRef executor) {
-    revision_ = 0;
+    revision_ = {};
     body.law().evaluate(displacement, evaluation_, executor);
   }
 
@@ -105,7 +106,8 @@ class StepEquation {
   }
 
   /// right_side = M vbar + c f - A v: of the equation for the change of v, where v_k = 0.
-  void linearise_at_rest(const Body& body, const StepFormula<Scalar>& formula, const Field<Scalar>& v, ExecutorRef executor) {
+  void linearise_at_rest(const Body& body, const StepFormula<Scalar>& formula, const Field<Scalar>& v,
+                         ExecutorRef executor) {
     // The rows of A sum to (1 + c a) times those of M, because those of all stiffnesses sum to zero.
     const Scalar mass = mass_factor(body, formula.c);
     for_rows(body, executor, [&](Index i) {
@@ -117,7 +119,8 @@ class StepEquation {
 
   /// The same where v = v_k, without A: right_side = M (vbar - v) + c (f_ext + f_el - D v), minus the gradient of the
   /// incremental energy. Zero at pins.
-  void linearise_here(const Body& body, const StepFormula<Scalar>& formula, const Field<Scalar>& v, ExecutorRef executor) {
+  void linearise_here(const Body& body, const StepFormula<Scalar>& formula, const Field<Scalar>& v,
+                      ExecutorRef executor) {
     for_rows(body, executor, [&](Index i) {
       right_side_[at(i)] = body.mass().row_product(*body.pattern(), i, formula.velocity) -
                            inertia(body, formula.c, i, v) + formula.c * force(body, i);
@@ -264,7 +267,7 @@ class StepEquation {
   Field<Scalar> right_side_;
   RangeSums<2> sums_;
   RangeSums<3> momentum_;
-  std::uint64_t revision_ = 0;  // of the body's state in evaluation_; 0: of another
+  Revision revision_;  // of the body's state in evaluation_, if it is one
   Mat3<Scalar> force_turn_ = Mat3<Scalar>::Identity();
   Vec3<Scalar> mean_force_ = Vec3<Scalar>::Zero();
   bool turns_forces_ = false;
@@ -272,4 +275,4 @@ class StepEquation {
   std::uint64_t era_number_ = 0;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

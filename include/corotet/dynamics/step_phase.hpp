@@ -6,7 +6,7 @@
 #include <memory>
 #include <type_traits>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// The parts of a step, in order.
 enum class StepPhase : std::uint8_t {
@@ -35,4 +35,4 @@ class PhaseObserver {
   void (*call_)(void*, StepPhase) = nullptr;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

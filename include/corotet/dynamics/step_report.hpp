@@ -5,7 +5,7 @@
 #include <corotet/solve/solver.hpp>
 #include <cstdint>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Why a step was refused. A refused step leaves the state as it was.
 enum class Refusal : std::uint8_t {
@@ -107,4 +107,4 @@ struct StepReport {
   }
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

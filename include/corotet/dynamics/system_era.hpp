@@ -2,9 +2,10 @@
 #pragma once
 
 #include <cmath>
+#include <corotet/core/revision.hpp>
 #include <cstdint>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Numbers the eras in which a step's matrix changes with the displacement alone, or nearly so: what a preconditioner
 /// has factored serves until the next. Steps whose length varies from frame to frame are one era as long as they differ
@@ -15,7 +16,7 @@ class SystemEra {
   /// and the revisions of materials and pins.
   struct Settings {
     double mass_factor = 0, stiffness_factor = 0;
-    std::uint64_t materials = 0, pins = 0;
+    Revision materials, pins;
   };
 
   /// The era of a step with these settings: 1, 2, ...
@@ -37,4 +38,4 @@ class SystemEra {
   std::uint64_t era_ = 0;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -13,7 +13,7 @@
 #include <limits>
 #include <span>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// A step of a body without pins, seen from its centre of mass.
 ///
@@ -185,4 +185,4 @@ class TurningFrame {
   RangeSum finite_;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -6,7 +6,7 @@
 #include <corotet/core/lanes.hpp>
 #include <corotet/element/reference_element.hpp>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Gradients of the shape functions in natural coordinates at the stiffness quadrature points: [point][node].
 template <ReferenceElement Element>
@@ -83,4 +83,4 @@ struct ElementBatch {
   }
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -8,7 +8,7 @@
 #include <concepts>
 #include <cstddef>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// (xi1, xi2, xi3), or a gradient with respect to them. Plain numbers, so that tables are made by the compiler.
 using NaturalCoordinates = std::array<double, 3>;
@@ -85,4 +85,4 @@ constexpr std::array<QuadraturePoint, 14> make_degree5() {
 inline constexpr std::array<QuadraturePoint, 14> degree5 = detail::make_degree5();
 
 }  // namespace quadrature
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -3,7 +3,7 @@
 
 #include <corotet/element/reference_element.hpp>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Node order: four corners, then the midpoints of `tet_edges` (the order of VTK; readers translate the others).
 /// Bends without locking; many times fewer elements than Tet4 for the same error: see docs/elements.md.
@@ -46,4 +46,4 @@ struct Tet10 {
 
 static_assert(ReferenceElement<Tet10>);
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -3,7 +3,7 @@
 
 #include <corotet/element/reference_element.hpp>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Cheapest element. Stiff in bending and locks as Poisson's ratio nears 1/2: see docs/elements.md for how much.
 struct Tet4 {
@@ -25,4 +25,4 @@ struct Tet4 {
 
 static_assert(ReferenceElement<Tet4>);
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

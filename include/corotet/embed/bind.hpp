@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// Where a point is bound. A field f of the mesh is taken at the point as f(xi) + (df/dxi)(xi) step, xi in the element:
 /// `step` is 0 to rounding for a point inside, and leads outside along the linear extension of the field at the nearest
@@ -142,4 +142,4 @@ Result<void> check_surface(const TetMesh<Scalar, Element>& mesh, std::span<const
   return {};
 }
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

@@ -9,7 +9,7 @@
 #include <corotet/mesh/tet_mesh.hpp>
 #include <limits>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// cof(M) = det(M) M^-T: turns area vectors as M turns lengths; defined for every M.
 template <std::floating_point Scalar>
@@ -200,4 +200,4 @@ struct ElementMotion<Scalar, Element> {
   }
 };
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

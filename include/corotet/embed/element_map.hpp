@@ -8,7 +8,7 @@
 #include <corotet/mesh/box_tree.hpp>
 #include <corotet/mesh/closest_point.hpp>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// A vector field over an element, given by its node values, as a polynomial in the natural coordinates:
 /// f(xi) = f(0) + (G(0) + G(xi)) xi / 2 with the gradient G(xi) = df/dxi, which is linear in xi (constant for Tet4).
@@ -151,4 +151,4 @@ ElementPoint closest_on_element(const NodePositions<Element>& x, const Vec3<doub
   return best;
 }
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

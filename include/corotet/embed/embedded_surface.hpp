@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Surface vertices, each bound to a point of a tetrahedral mesh. The mesh is not needed after binding.
 /// Laws: an affine motion x = A X + b of the mesh moves every vertex by the same map and turns normals by cof(A),
@@ -126,7 +126,9 @@ class EmbeddedSurface {
 
 // Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
 template <std::floating_point Scalar, ReferenceElement Element>
-Result<EmbeddedSurface<Scalar, Element>> EmbeddedSurface<Scalar, Element>::bind(const Mesh& mesh, std::span<const Vec3<double>> rest_positions, std::span<const Vec3<double>> rest_normals, ExecutorRef executor) {
+Result<EmbeddedSurface<Scalar, Element>> EmbeddedSurface<Scalar, Element>::bind(
+    const Mesh& mesh, std::span<const Vec3<double>> rest_positions, std::span<const Vec3<double>> rest_normals,
+    ExecutorRef executor) {
   if (Result<void> status = detail::check_surface(mesh, rest_positions, rest_normals); !status) return status.error();
   const Index count = size_of(rest_positions);
   const BoxTree tree = detail::element_tree(mesh);
@@ -165,7 +167,9 @@ Result<EmbeddedSurface<Scalar, Element>> EmbeddedSurface<Scalar, Element>::bind(
 }
 
 template <std::floating_point Scalar, ReferenceElement Element>
-Result<EmbeddedSurface<Scalar, Element>> EmbeddedSurface<Scalar, Element>::bind(const Mesh& mesh, const SurfaceMesh& surface, ExecutorRef executor) {
+Result<EmbeddedSurface<Scalar, Element>> EmbeddedSurface<Scalar, Element>::bind(const Mesh& mesh,
+                                                                                const SurfaceMesh& surface,
+                                                                                ExecutorRef executor) {
   if (Result<void> status = detail::check_triangles(surface); !status) return status.error();
   if (!surface.normals.empty() || surface.triangles.empty())
     return bind(mesh, surface.positions, surface.normals, executor);
@@ -174,7 +178,8 @@ Result<EmbeddedSurface<Scalar, Element>> EmbeddedSurface<Scalar, Element>::bind(
 }
 
 template <std::floating_point Scalar, ReferenceElement Element>
-void EmbeddedSurface<Scalar, Element>::update(std::span<const Vec3<Scalar>> u, const VertexBuffer& out, ExecutorRef executor) {
+void EmbeddedSurface<Scalar, Element>::update(std::span<const Vec3<Scalar>> u, const VertexBuffer& out,
+                                              ExecutorRef executor) {
   COROTET_ASSERT(out.data != nullptr && out.count == vertex_count(), "the buffer needs one vertex per bound vertex");
   COROTET_ASSERT(out.fits(out.position_offset) && out.fits(out.normal_offset), "an attribute exceeds the stride");
   const detail::Wide<Scalar> translation = detail::widen<Scalar>(out.translation.template cast<Scalar>());
@@ -210,4 +215,4 @@ void EmbeddedSurface<Scalar, Element>::normals(std::span<const Vec3<Scalar>> u, 
 
 COROTET_INSTANCES_OF_ELEMENT(EmbeddedSurface)
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <limits>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Interleaved vertices with float32 attributes, such as a mapped GPU buffer. Nothing is assumed about alignment, and
 /// nothing but the 12 bytes of each attribute is touched.
@@ -37,4 +37,4 @@ void store(std::byte* where, const Matrix<Scalar, 4, 1>& v) {
 }
 
 }  // namespace detail
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// An isotropic linear elastic solid.
 struct Material {
@@ -82,4 +82,4 @@ class Materials {
   std::vector<Material> materials_;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

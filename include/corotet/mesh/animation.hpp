@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// The triangles and the lines stay; their vertices move. Frame k is at time k * `frame_seconds`.
 struct Animation {
@@ -113,4 +113,4 @@ inline AnimationBox box_of(const Animation& animation) {
   return {};
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// The boundary as triangles over the *volume mesh's* vertices, in the order of the elements.
 struct BoundarySurface {
@@ -184,4 +184,4 @@ template <std::floating_point Scalar>
   return compact;
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// An axis-aligned box, m. As constructed it is empty: it contains nothing and grows to whatever is added.
 struct Box {
@@ -188,4 +188,4 @@ class BoxTree {
   std::vector<Box> leaf_boxes_;  // their boxes in that order
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

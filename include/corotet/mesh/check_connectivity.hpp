@@ -10,7 +10,7 @@
 #include <span>
 #include <string>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// Whole elements of 4 or 10 nodes, and indices in range. Weaker than TetMesh::create, so that a mesh which that
 /// refuses can still be measured and drawn.
@@ -58,4 +58,4 @@ inline Result<void> check_positions(std::span<const Vec3<double>> positions, con
   return {};
 }
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

@@ -7,7 +7,7 @@
 #include <corotet/core/types.hpp>
 #include <corotet/element/reference_element.hpp>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// A point of a simplex with N corners: barycentric coordinates in [0, 1] that sum to 1, exactly 0 for a corner that
 /// plays no part (so that a face, an edge and a corner can be told apart).
@@ -91,4 +91,4 @@ struct SimplexPoint {
   return best;
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

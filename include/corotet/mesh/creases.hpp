@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// A surface with one normal a vertex: a vertex on a sharp edge is there once for each smooth part of the surface.
 struct CreasedSurface {
@@ -86,4 +86,4 @@ inline CreasedSurface split_at_creases(const Field<double>& positions,
   return result;
 }
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

@@ -9,7 +9,7 @@
 #include <corotet/mesh/tet_mesh.hpp>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Each edge of each element once, as a pair of vertices, the lower first; sorted. An edge with a node in its middle is
 /// two lines, so that a curved one is drawn bent.
@@ -32,4 +32,4 @@ template <std::floating_point Scalar, ReferenceElement Element>
   return lines;
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -13,7 +13,7 @@
 #include <limits>
 #include <numbers>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Measures of one element. All but `volume` are free of units and unchanged by rotation, scaling and node numbering.
 struct ElementQuality {
@@ -220,4 +220,4 @@ template <ReferenceElement Element>
   return "unknown";
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// How each cell of the grid is cut into tetrahedra.
 enum class BlockSplit {
@@ -75,4 +75,4 @@ struct BlockOptions {
   return mesh;
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// The position nearest to `x`, the first of equals. Looks at each.
 template <std::floating_point Scalar>
@@ -33,4 +33,4 @@ struct MeshData {
   [[nodiscard]] Index element_count() const { return size_of(connectivity) / nodes_per_element; }
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Order statistics of one measure over the elements. The p-th percentile is the smallest value that at least p per
 /// cent of the elements do not exceed; the median is the 50th.
@@ -136,4 +136,4 @@ template <std::floating_point Scalar, ReferenceElement Element>
   return worst;
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

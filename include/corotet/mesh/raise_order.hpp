@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// The same straight-sided mesh with a vertex added in the middle of each edge. Corner vertices keep their indices; the
 /// new ones follow, ordered by their edges. Indices must be in range (TetMesh::create checks). A 10-node mesh is
@@ -79,4 +79,4 @@ namespace corotet {
   return remove_unreferenced(std::move(mesh));
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Triangles over shared vertices, counter-clockwise seen from outside. In double, like MeshData.
 struct SurfaceMesh {
@@ -18,4 +18,4 @@ struct SurfaceMesh {
   std::vector<std::string> notes;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

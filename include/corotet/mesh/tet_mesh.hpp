@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Rest positions and elements. Invariants, established by `create` and kept for life: every index is in range; no
 /// element names a vertex twice; every vertex belongs to an element; every element has positive volume (for Tet10:
@@ -121,4 +121,4 @@ MeshData TetMesh<Scalar, Element>::data() const {
 
 COROTET_INSTANCES_OF_ELEMENT(TetMesh)
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

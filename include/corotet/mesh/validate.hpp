@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 inline std::string vertex_name(Index v) { return "vertex " + std::to_string(v); }
 inline std::string element_name(Index e) { return "element " + std::to_string(e); }
@@ -103,4 +103,4 @@ Result<void> check_volume(const std::vector<Vec3<double>>& x, const std::array<I
   return {};
 }
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

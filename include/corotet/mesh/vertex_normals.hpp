@@ -6,7 +6,7 @@
 #include <corotet/mesh/surface_mesh.hpp>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Unit normal of a triangle (counter-clockwise seen from its tip); zero where the triangle has no area.
 [[nodiscard]] inline Vec3<double> triangle_normal(const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c) {
@@ -36,4 +36,4 @@ namespace corotet {
   return normals;
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -6,7 +6,7 @@
 #include <corotet/rotation/rotation_extractor.hpp>
 #include <limits>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Gram-Schmidt on the columns of F. Cheap, but the result depends on the axes that the element was modelled in, and
 /// the force is not the gradient of any energy: it does work over a closed loop and leaves a ghost torque. For
@@ -49,4 +49,4 @@ struct GramSchmidt {
 
 static_assert(RotationExtractor<GramSchmidt>);
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

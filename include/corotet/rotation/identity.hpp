@@ -3,7 +3,7 @@
 
 #include <corotet/rotation/rotation_extractor.hpp>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// R = I. A body that turns or bends far grows in volume: this is what the corotational method cures.
 struct Identity {
@@ -19,4 +19,4 @@ struct Identity {
 
 static_assert(RotationExtractor<Identity>);
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

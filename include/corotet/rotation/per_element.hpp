@@ -3,7 +3,7 @@
 
 #include <corotet/rotation/rotation_extractor.hpp>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// `PerElement<Polar>` with Tet10: a quarter of the rotations, less accurate in large bending, and the force is no
 /// longer exactly the gradient of an energy. docs/elements.md has the numbers. The same as `Model` for Tet4.
@@ -12,4 +12,4 @@ struct PerElement : Model {
   static constexpr bool per_element = true;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -7,7 +7,7 @@
 #include <corotet/rotation/rotation_extractor.hpp>
 #include <limits>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// The rotation nearest to F: R maximises tr(R^T F). For det F > 0 it is the orthogonal polar factor; for an inverted
 /// element it is the rotation that undoes the inversion along the direction of least stretch (Irving et al. 2004).
@@ -134,4 +134,4 @@ struct Polar {
 
 static_assert(RotationExtractor<Polar>);
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

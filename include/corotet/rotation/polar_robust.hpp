@@ -7,7 +7,7 @@
 #include <corotet/rotation/quaternion.hpp>
 #include <limits>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 namespace detail {
 
@@ -181,4 +181,4 @@ template <std::floating_point Scalar>
   return rotation_of<Scalar>(stationary.quaternion);
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

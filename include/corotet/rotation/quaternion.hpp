@@ -4,7 +4,7 @@
 #include <cmath>
 #include <corotet/core/types.hpp>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// The rotation of a unit quaternion q = (w, x, y, z).
 template <std::floating_point Scalar>
@@ -25,7 +25,8 @@ template <std::floating_point Scalar>
   const Scalar trace = r.trace();
   Matrix<Scalar, 4, 1> q(trace, r(0, 0), r(1, 1), r(2, 2));
   const int largest = q.index_of_max();
-  if (largest == 0) return Matrix<Scalar, 4, 1>(1 + trace, r(2, 1) - r(1, 2), r(0, 2) - r(2, 0), r(1, 0) - r(0, 1)).normalized();
+  if (largest == 0)
+    return Matrix<Scalar, 4, 1>(1 + trace, r(2, 1) - r(1, 2), r(0, 2) - r(2, 0), r(1, 0) - r(0, 1)).normalized();
   const int i = largest - 1, j = (i + 1) % 3, k = (i + 2) % 3;
   q[0] = r(k, j) - r(j, k);
   q[1 + i] = 1 + r(i, i) - r(j, j) - r(k, k);
@@ -42,4 +43,4 @@ template <std::floating_point Scalar>
   return rotation_of<double>({std::cos(angle / 2), axis[0], axis[1], axis[2]});
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

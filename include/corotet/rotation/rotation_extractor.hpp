@@ -5,7 +5,7 @@
 #include <corotet/core/lanes.hpp>
 #include <string_view>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Law: for every finite deformation gradient F, inverted, flat and zero included, R is finite, R^T R = I and det R =
 /// +1, to rounding. For F with NaN or infinite entries R is still finite.
@@ -40,4 +40,4 @@ template <RotationExtractor Model, std::floating_point Scalar>
   return r.lane(0);
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// A partition of things that lie somewhere into boxes, no two of which differ in size by more than a few.
 struct Aggregates {
@@ -64,4 +64,4 @@ struct Aggregates {
   }
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

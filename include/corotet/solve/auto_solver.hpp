@@ -21,7 +21,7 @@
 #include <optional>
 #include <string_view>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 enum class SolverMethod { automatic, pcg, cholesky };
 enum class PreconditionerKind { automatic, jacobi, block_jacobi, rigid_aggregates, warped_cholesky };
@@ -183,9 +183,9 @@ SolveReport AutoSolver<Scalar>::solve(const StepSystem<Scalar>& system, Field<Sc
   return solve_by(parts_->diagonal, system, x, executor);
 }
 
-
 template <std::floating_point Scalar>
-SolveReport AutoSolver<Scalar>::solve_directly(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor) {
+SolveReport AutoSolver<Scalar>::solve_directly(const StepSystem<Scalar>& system, Field<Scalar>& x,
+                                               ExecutorRef executor) {
   std::fill(x.begin(), x.end(), Vec3<Scalar>::Zero());
   if (!is_tolerance(options_.tolerance)) return {SolveStatus::invalid_options, 0, 1.0};
   for (Index k = 0; k < system.matrix.pattern().blocks(); ++k)
@@ -207,4 +207,4 @@ void AutoSolver<Scalar>::compare(std::optional<double> iterations) {
 
 COROTET_INSTANCES_OF_SCALAR(AutoSolver)
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

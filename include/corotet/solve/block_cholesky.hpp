@@ -10,7 +10,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// A = P^T L L^T P with a fill-reducing permutation of the vertices (approximate minimum degree, by Eigen). Eigen's own
 /// sparse factorisations work number by number and allocate in every factorisation; this one works on blocks and
@@ -106,4 +106,4 @@ class BlockCholesky {
   std::vector<Index> stack_, marked_, filled_;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// A = P^T L L^T P, L by block columns. Kept apart from the factorisation, so that a factor made in double can be
 /// solved with in float: half the memory to read, and still symmetric and positive definite.
@@ -121,4 +121,4 @@ class BlockFactor {
   std::vector<Scalar> value_, work_;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -9,7 +9,7 @@
 #include <corotet/solve/solver.hpp>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// z = D^-1 r, D = the 3x3 diagonal blocks, or only their diagonals.
 template <std::floating_point Scalar>
@@ -60,5 +60,4 @@ class BlockJacobi {
   RangeSum sum_;
 };
 
-
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

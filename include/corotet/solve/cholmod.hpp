@@ -17,7 +17,7 @@
 #include <limits>
 #include <memory>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 struct CholmodOptions {
   double tolerance = 1e-9;  ///< Euclidean residual, relative to |b|; reached by refinement where Scalar allows it
@@ -86,4 +86,4 @@ class CholmodSolver {
   Refinement<Scalar> refinement_;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Keeps the last solutions, and starts from that combination of them which is nearest to the new solution in the
 /// energy norm (Fischer 1998, "Projection techniques for iterative solution of Ax = b with successive right-hand
@@ -45,8 +45,10 @@ class FirstGuess {
     for_ranges(executor, size_of(x), RangeSum::grain, [&](Index begin, Index end) {
       static_assert(depth == 2);
       const auto a = static_cast<Scalar>(c.factor[0]), b = static_cast<Scalar>(c.factor[1]);
-      map_range(begin, end, x, [=](auto p, auto q) { return a * p + b * q; }, last_[0], last_[1]);
-      map_range(begin, end, r, [=](auto s, auto p, auto q) { return s - a * p - b * q; }, r, product_[0], product_[1]);
+      map_range(
+          begin, end, x, [=](auto p, auto q) { return a * p + b * q; }, last_[0], last_[1]);
+      map_range(
+          begin, end, r, [=](auto s, auto p, auto q) { return s - a * p - b * q; }, r, product_[0], product_[1]);
     });
     return c.energy;
   }
@@ -134,4 +136,4 @@ class FirstGuess {
   RangeSums<sum_count> sums_;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

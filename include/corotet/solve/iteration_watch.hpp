@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Counts alone, no clock: the same on every machine and in every run.
 class IterationWatch {
@@ -35,4 +35,4 @@ class IterationWatch {
   int solves_ = 0, sum_ = 0;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Approximate minimum degree (Amestoy, Davis & Duff 1996, "An approximate minimum degree ordering algorithm") on the
 /// graph of a pattern: a quotient graph of variables that are left and elements that were eliminated, with aggressive
@@ -193,11 +193,11 @@ class MinimumDegree {
   std::vector<std::vector<Index>> boundary_;    // of an element: its variables
   std::vector<bool> absorbed_;                  // elements that became part of another
   std::vector<Index> outside_, seen_, mark_;
-  std::vector<Index> size_;           // of an element: variables on its boundary, merged ones counted
-  std::vector<Index> weight_;         // of a variable: how many it stands for, 0 once it is merged into another
-  std::vector<Index> twin_, last_;    // lists of merged variables
+  std::vector<Index> size_;         // of an element: variables on its boundary, merged ones counted
+  std::vector<Index> weight_;       // of a variable: how many it stands for, 0 once it is merged into another
+  std::vector<Index> twin_, last_;  // lists of merged variables
   std::vector<Index> degree_, first_, next_, previous_;
   std::vector<std::pair<std::int64_t, Index>> keys_;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

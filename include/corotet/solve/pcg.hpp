@@ -12,7 +12,7 @@
 #include <cstddef>
 #include <limits>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 struct PcgOptions {
   /// Stop when the error of x is `tolerance` times x, both in the energy norm sqrt(x . A x), 0 < tolerance < 1: see
@@ -99,8 +99,8 @@ class Pcg {
  private:
   /// Conjugate gradients from x_, whose residual is r_ with z_ = P r_ and r_ . z_ = rz, until the error that the
   /// recursion follows is small enough. `energy` is that of x, and follows it.
-  void iterate(const BlockMatrix<Scalar>& matrix, PreconditionerRef<Scalar> preconditioner, double rz, double wanted, int max_iterations,
-               double& energy, SolveReport& report, ExecutorRef executor) {
+  void iterate(const BlockMatrix<Scalar>& matrix, PreconditionerRef<Scalar> preconditioner, double rz, double wanted,
+               int max_iterations, double& energy, SolveReport& report, ExecutorRef executor) {
     detail::RecentGains<PreconditionerRef<Scalar>::max_error_delay> gains(preconditioner.error_delay());
     // What the recursion has left below this is rounding: a small system is solved before the gains tell.
     constexpr auto rounding = static_cast<double>(std::numeric_limits<Scalar>::epsilon()) / 4;
@@ -158,4 +158,4 @@ class Pcg {
   RangeSum sum_;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// The numbers of a field's entries [begin, end), vertex-major; those of padded fields with their zeros.
 template <class FieldType>
@@ -102,4 +102,4 @@ class RangeSum {
   RangeSums<1> sums_;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -9,7 +9,7 @@
 #include <corotet/solve/range_sum.hpp>
 #include <corotet/solve/solver.hpp>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Solves with a factorisation of the matrix, measures the residual, and corrects until it is small enough. Keeps its
 /// vectors between solves. (Golub & Van Loan 2013, section 3.5.3.)
@@ -54,4 +54,4 @@ class Refinement {
   RangeSum sum_;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

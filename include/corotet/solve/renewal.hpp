@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// A preconditioner that follows the body's rotations grows worse as the body strains. It is renewed when the system
 /// changes for other reasons than motion (a new era), and when a solve took half as many applications again as the best
@@ -40,4 +40,4 @@ class Renewal {
   int age_ = 0, applications_ = 0, fewest_ = 0;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -20,7 +20,7 @@
 #include <numeric>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// z = D^-1 r + P A_c^-1 P^T r: block-Jacobi, and a coarse level whose unknowns are the rigid motions P of boxes of
 /// neighbouring vertices. Nothing of P is stored: P^T r is the force and torque on each part. A_c = P^T A P is factored
@@ -260,5 +260,4 @@ class RigidAggregates {
   bool usable_ = false;
 };
 
-
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

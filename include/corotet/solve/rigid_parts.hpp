@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// What RigidAggregates knows of geometry. Without groups each part is a group of its own, and `group_frames` is empty.
 /// Parts turn as their rest shapes would, not as they are now: it is those motions that the warped stiffness of a
@@ -160,4 +160,4 @@ struct RigidParts {
   }
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -8,7 +8,7 @@
 #include <corotet/rotation/polar.hpp>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Replaces each moment sum of x (x) X, with x and X the present and the rest offsets of a group's points from their
 /// mean, by the rotation R that makes sum |x - R X|^2 least: the polar factor of the moment (Müller, Heidelberger,
@@ -28,4 +28,4 @@ void rotations_of_moments(std::vector<Mat3<Scalar>>& moment, ExecutorRef executo
   });
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

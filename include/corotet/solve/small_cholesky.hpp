@@ -5,7 +5,7 @@
 #include <concepts>
 #include <corotet/core/types.hpp>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Sets `inverse` to the inverse of L, a = L L^T, with zeros above its diagonal. False if `a` is not positive definite;
 /// reads its lower triangle only.
@@ -32,4 +32,4 @@ template <std::floating_point Scalar, int B>
   return true;
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

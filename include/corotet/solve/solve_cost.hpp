@@ -3,7 +3,7 @@
 
 #include <corotet/core/types.hpp>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// The time of one solve of a step, in products of its matrix with a vector. Counts what is read and computed, with
 /// weights that were measured (docs/speed.md has the figures, `corotet bench` prints the prediction beside the time).
@@ -41,4 +41,4 @@ class SolveCost {
   double blocks_ = 0, vertices_ = 0;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -8,7 +8,7 @@
 #include <corotet/core/types.hpp>
 #include <corotet/solve/step_system.hpp>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Approximates the inverse of a matrix. Law: `apply` is linear, symmetric and positive definite, and returns r . z.
 /// `error_delay`: see Pcg.
@@ -30,8 +30,8 @@ class PreconditionerRef {
 
   template <Preconditioner<Scalar> P>
   PreconditionerRef(P& preconditioner)  // NOLINT(google-explicit-constructor): as the preconditioner
-      : object_(&preconditioner), apply_([](void* object, const PaddedField<Scalar>& r, PaddedField<Scalar>& z,
-                                            ExecutorRef executor) {
+      : object_(&preconditioner),
+        apply_([](void* object, const PaddedField<Scalar>& r, PaddedField<Scalar>& z, ExecutorRef executor) {
           return static_cast<P*>(object)->apply(r, z, executor);
         }),
         error_delay_(P::error_delay) {
@@ -79,4 +79,4 @@ concept LinearSolver = requires(S& s, const StepSystem<Scalar>& system, const Fi
   { s.solve(system, x, executor) } -> std::same_as<SolveReport>;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <span>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// matrix * x = right_side.
 template <std::floating_point Scalar>
@@ -24,4 +24,4 @@ struct StepSystem {
   std::uint64_t era = 0;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Ordering, elimination tree and column counts of L, A = P^T L L^T P (Davis 2006, "Direct Methods for Sparse Linear
 /// Systems", sections 4.1 to 4.4), by blocks of any size.
@@ -86,4 +86,4 @@ struct SymbolicFactor {
   }
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -18,7 +18,7 @@
 #include <memory>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// z = Q A0^-1 Q^T r, where Q turns each vertex as its neighbours have turned, and A0 = Q^T A Q at the time of the
 /// factorisation. Each element's warped stiffness is R K_e R^T, so that Q A0 Q^T is close to A as long as neighbours
@@ -138,5 +138,4 @@ class WarpedCholesky {
   bool usable_ = false;
 };
 
-
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

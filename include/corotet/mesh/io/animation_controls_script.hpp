@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// The camera, the picture, and the time that passes.
 inline constexpr std::string_view page_script_view = R"js(
@@ -208,4 +208,4 @@ play(!matchMedia("(prefers-reduced-motion: reduce)").matches);
 })();
 )js";
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

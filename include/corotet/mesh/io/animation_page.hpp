@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// Between the title and the data: {title} and {caption} stand for what the caller gave.
 inline constexpr std::string_view page_style = R"html(<style>
@@ -74,4 +74,4 @@ fingers move and zoom.</span></p>
 </footer>
 )html";
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

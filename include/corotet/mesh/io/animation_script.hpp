@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// Decodes the data, and makes what the graphics card needs. Continued in
 /// animation_controls_script.hpp.
@@ -150,4 +150,4 @@ function frame(k) {
 }
 )js";
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

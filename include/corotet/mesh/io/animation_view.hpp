@@ -9,7 +9,7 @@
 #include <corotet/mesh/animation.hpp>
 #include <string>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// Three unit axes, right-handed; `along` is the horizontal one in which the animation is longer.
 struct AnimationAxes {
@@ -51,4 +51,4 @@ inline std::string fixed_text(double value, int decimals) {
   return {digits.data(), end};
 }
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

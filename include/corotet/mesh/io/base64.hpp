@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 inline std::string to_base64(std::string_view bytes) {
   constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -22,4 +22,4 @@ inline std::string to_base64(std::string_view bytes) {
   return text;
 }
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

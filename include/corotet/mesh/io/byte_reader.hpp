@@ -14,7 +14,7 @@
 #include <string>
 #include <string_view>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// Reads values one after the other. A failure sticks (see StickyError); errors say "name@byte N".
 class ByteReader : public StickyError {
@@ -117,4 +117,4 @@ class ByteReader : public StickyError {
   std::size_t value_start_;
 };
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// Numbers on a grid of points one unit apart, row by row.
 struct Grid {
@@ -119,4 +119,4 @@ inline double area_of(const std::vector<GridPoint>& loop) {
   return std::fabs(sum) / 2;
 }
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

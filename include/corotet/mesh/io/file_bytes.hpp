@@ -9,7 +9,7 @@
 #include <system_error>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// The content of a file. Errors: file_not_found; file_unreadable for a directory, a device or a failed read.
 [[nodiscard]] inline Result<std::string> read_file(const std::filesystem::path& path) {
@@ -48,4 +48,4 @@ namespace corotet {
   return {};
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -11,7 +11,7 @@
 #include <limits>
 #include <vector>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// The parallel projection of all frames into panels of one size.
 class FilmstripView {
@@ -79,4 +79,4 @@ class FilmstripView {
   double scale_ = 1, left_ = 0, upper_ = 0, height_ = 1;
 };
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

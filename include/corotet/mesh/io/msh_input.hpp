@@ -12,7 +12,7 @@
 #include <string>
 #include <string_view>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// A gmsh element type: number of nodes and dimension; {0, 0} where unknown.
 struct MshElementType {
@@ -124,4 +124,4 @@ class MshInput {
   std::endian order_ = std::endian::native;
 };
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

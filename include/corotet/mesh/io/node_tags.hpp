@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// Maps node tags to 0-based indices in order of their appearance. Tags without gaps, the usual case, need no search.
 class NodeTags {
@@ -47,4 +47,4 @@ class NodeTags {
   bool consecutive_ = false;
 };
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

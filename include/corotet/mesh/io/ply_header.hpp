@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 enum class PlyType { none, int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
@@ -151,4 +151,4 @@ inline PlyHeader read_ply_header(TextScanner& in) {
   return header;
 }
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

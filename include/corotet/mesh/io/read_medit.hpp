@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 namespace detail {
 
 inline bool is_letter(std::string_view token) {
@@ -86,4 +86,4 @@ inline void skip_medit_section(TextScanner& in, TetSink& sink, std::string_view 
   return sink.finish(name);
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -14,7 +14,7 @@
 #include <string>
 #include <string_view>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// The formats that mark their content.
 enum class MeshFormat { unknown, msh, medit, medit_binary, vtk, vega };
@@ -60,4 +60,4 @@ enum class MeshFormat { unknown, msh, medit, medit_binary, vtk, vega };
                "(# vtk DataFile) and Vega .veg (*VERTICES), and its name does not end with TetGen's .node or .ele"};
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

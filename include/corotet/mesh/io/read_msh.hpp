@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 namespace detail {
 
 /// $MeshFormat; sets the byte order of binary files. Returns the version, 2 or 4, or 0 after a failure.
@@ -79,4 +79,4 @@ inline int read_msh_format(MshInput& in) {
   return sink.finish(name);
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -6,7 +6,7 @@
 #include <corotet/mesh/io/msh_input.hpp>
 #include <corotet/mesh/io/tet_sink.hpp>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 inline void read_msh22_nodes(MshInput& in, TetSink& sink) {
   const std::size_t count = in.text.count("nodes", 4);
@@ -79,4 +79,4 @@ inline void read_msh22_elements(MshInput& in, TetSink& sink) {
   in.end_data("$EndElements");
 }
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

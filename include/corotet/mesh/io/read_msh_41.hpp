@@ -6,7 +6,7 @@
 #include <corotet/mesh/io/tet_sink.hpp>
 #include <map>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// Physical group of each volume entity that is in one.
 using MshRegions = std::map<std::int64_t, int>;
@@ -123,4 +123,4 @@ inline void read_msh41_elements(MshInput& in, TetSink& sink, const MshRegions& r
   in.end_data("$EndElements");
 }
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

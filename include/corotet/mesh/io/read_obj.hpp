@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 namespace detail {
 
 class ObjReader {
@@ -170,4 +170,4 @@ class ObjReader {
   return detail::ObjReader(text, name).read();
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 namespace detail {
 
 /// What the prefixes before OFF announce: [ST][C][N][4][n]OFF.
@@ -80,4 +80,4 @@ inline OffHeader parse_off_keyword(std::string_view word) {
   return sink.finish(name);
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 namespace detail {
 
 /// Values from the data of a text file. `PlyBytes` offers the same for a binary one.
@@ -198,4 +198,4 @@ void read_ply_data(Data& in, const PlyHeader& header, SurfaceSink& sink) {
   return sink.finish(name);
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

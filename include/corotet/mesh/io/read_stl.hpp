@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 namespace detail {
 
 inline constexpr std::size_t stl_header_bytes = 80, stl_triangle_bytes = 50;
@@ -119,4 +119,4 @@ inline void read_binary_stl(ByteReader& in, SurfaceSink& sink) {
   return sink.finish(name);
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

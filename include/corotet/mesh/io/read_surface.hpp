@@ -13,7 +13,7 @@
 #include <string>
 #include <string_view>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 enum class SurfaceFormat { unknown, obj, stl, ply, off };
 
@@ -53,4 +53,4 @@ enum class SurfaceFormat { unknown, obj, stl, ply, off };
                "its content is none of Wavefront .obj, .stl, .ply (first line 'ply') and .off (first word 'OFF')"};
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

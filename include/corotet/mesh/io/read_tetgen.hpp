@@ -15,7 +15,7 @@
 #include <string_view>
 #include <utility>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 namespace detail {
 
 /// Points with their attributes and boundary markers, which are skipped. Numbers start at 0 or 1: the first one tells.
@@ -95,4 +95,4 @@ inline void read_tetgen_elements(TextScanner& in, TetSink& sink, VertexRange ran
   return read_tetgen(*node_text, *ele_text, node.string(), ele.string());
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 namespace detail {
 
 /// The parts of a .veg file; the last ones come together only when all of them are known.
@@ -149,4 +149,4 @@ inline void assign_vega_regions(TextScanner& in, VegaFile& file) {
   return file.sink.finish(name);
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 namespace detail {
 
 /// Bytes of a value of the VTK type `name` in a binary file; 0 for types whose values have no fixed length.
@@ -247,4 +247,4 @@ class VtkReader {
   return detail::VtkReader(bytes, name).read();
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -10,7 +10,7 @@
 #include <limits>
 #include <vector>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// A point in the picture: x to the right and y down, in units of the picture; depth grows towards the eye.
 struct PicturePoint {
@@ -127,4 +127,4 @@ class ShadeImage {
   Grid depth_, shade_;
 };
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

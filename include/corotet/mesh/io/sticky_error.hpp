@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// Text from a file, made fit for a message: short, and without bytes that a terminal would obey.
 inline std::string quoted(std::string_view text) {
@@ -56,4 +56,4 @@ class StickyError {
   Error error_;
 };
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

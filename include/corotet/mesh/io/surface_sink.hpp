@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 class SurfaceSink {
  public:
@@ -125,4 +125,4 @@ Index surface_vertex(Input& in, std::int64_t index, std::size_t vertex_count) {
   return 0;
 }
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// Paths in tenths of a pixel, which keeps the numbers short.
 class SvgPath {
@@ -64,4 +64,4 @@ inline std::string shade_colour(double shade) {
   return text;
 }
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// Where in the file's list of an element's nodes each of our nodes stands (4-node elements use the first four). Our
 /// order is VTK's: corners, then the midpoints of the edges 01 12 02 03 13 23.
@@ -97,4 +97,4 @@ struct VertexRange {
   }
 };
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <system_error>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// What a format adds to white space. '\0' means "none".
 struct TextSyntax {
@@ -247,4 +247,4 @@ class TextScanner : public StickyError {
   bool jumped_ = false;
 };
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// Appends to one string; `<<` as with streams, but without locale, flags or separators.
 class TextWriter {
@@ -51,4 +51,4 @@ class TextWriter {
   std::string out_;
 };
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

@@ -15,7 +15,7 @@
 #include <type_traits>
 #include <variant>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 namespace detail {
 
 template <class T>
@@ -113,4 +113,4 @@ template <std::floating_point Scalar, ReferenceElement Element>
   return {{elements.front().data(), elements.size() * Element::nodes}, Element::nodes};
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

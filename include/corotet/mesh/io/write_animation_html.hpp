@@ -22,7 +22,7 @@
 #include <string_view>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 namespace detail {
 
 /// Steps into which each side of the box of an animation is divided.
@@ -125,4 +125,4 @@ inline std::string animation_info(const Animation& animation, const AnimationBox
   return text ? write_file(path, *text) : Result<void>(text.error());
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

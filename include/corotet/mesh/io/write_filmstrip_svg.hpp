@@ -23,7 +23,7 @@
 #include <string_view>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 struct FilmstripOptions {
   std::vector<Index> frames{};  ///< which frames, from left to right; empty: four from the first to the last
@@ -209,9 +209,9 @@ inline Result<std::vector<Index>> filmstrip_frames(const Animation& animation, c
 
 /// Writes an .svg file. Errors: those of `format_filmstrip_svg`, and file_unreadable.
 [[nodiscard]] inline Result<void> write_filmstrip_svg(const std::filesystem::path& path, const Animation& animation,
-                                                const FilmstripOptions& options = {}) {
+                                                      const FilmstripOptions& options = {}) {
   const Result<std::string> text = format_filmstrip_svg(animation, options);
   return text ? write_file(path, *text) : Result<void>(text.error());
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -16,7 +16,7 @@
 #include <string_view>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 struct MshOptions {
   int version = 41;     ///< 22 or 41
@@ -213,4 +213,4 @@ class MshWriter {
   return write_file(path, *content);
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <string>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// The content of an .obj file: `v`, `vn` if the surface has normals, and `f` lines, with as many digits as reading the
 /// same numbers back needs. Errors: invalid_argument (normals that are not one a vertex), index_out_of_range,
@@ -58,4 +58,4 @@ namespace corotet {
   return text ? write_file(path, *text) : Result<void>(text.error());
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <utility>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Lists frames as they are made. The file is complete after `create` and after every `add_frame`, so that a run which
 /// is interrupted leaves a series that opens. A frame costs the same however many there are.
@@ -63,4 +63,4 @@ class PvdWriter {
   Index frame_count_ = 0;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

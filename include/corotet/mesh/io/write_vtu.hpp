@@ -20,7 +20,7 @@
 #include <string_view>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 enum class VtuEncoding {
   appended,  ///< raw bytes after the XML: smallest and fastest
@@ -202,4 +202,4 @@ inline Result<void> check_vtu_cells(const VtuCells& cells, std::size_t point_cou
   return text ? write_file(path, *text) : Result<void>(text.error());
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

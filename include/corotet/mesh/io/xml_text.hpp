@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// `text` (UTF-8) fit to stand between double quotes. Errors: invalid_argument if it is empty or holds a control
 /// character, which XML 1.0 (section 2.2) cannot express.
@@ -41,4 +41,4 @@ inline Result<std::string> xml_attribute(std::string_view text, std::string_view
   return escaped;
 }
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

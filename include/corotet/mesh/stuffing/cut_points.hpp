@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// A vertex is warped to a cut point nearer than this fraction of the edge (Labelle & Shewchuk 2007). Chosen by search
 /// over random signs and extreme cut points: the worst dihedral angles that any function then gets are 10.75 and
@@ -109,4 +109,4 @@ CutLattice cut_and_warp(const BccLattice& lattice, const Function& f, const std:
   return out;
 }
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

@@ -25,7 +25,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 struct StuffingOptions {
   double size = 0;  ///< side of a lattice cube, m, > 0: elements have edges of 0.87 and 1 of it, less at the surface
@@ -161,4 +161,4 @@ template <std::invocable<const Vec3<double>&> Function>
   return mesh;
 }
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

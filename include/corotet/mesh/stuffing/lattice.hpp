@@ -8,7 +8,7 @@
 #include <corotet/mesh/box_tree.hpp>
 #include <cstdint>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// Corners and centres of a grid of cubes. Coordinates are counted in half cubes: all even at a corner, all odd at a
 /// centre. Its tetrahedra are all alike, with dihedral angles of 60 and 90 degrees: two opposite long edges (a cube's
@@ -118,4 +118,4 @@ class BccLattice {
   Index corners_ = 0;
 };
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Topology of a triangle surface. For closed surfaces without self-contact: euler = 2 (components - tunnels).
 struct SurfaceTopology {
@@ -99,4 +99,4 @@ inline Result<void> note_perforation(MeshData& mesh, const SurfaceMesh& surface,
 }
 
 }  // namespace detail
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet {
+namespace corotet::inline v0_1 {
 
 /// Distance to a closed surface, m, negative inside. The sign is that of the angle-weighted pseudonormal of the nearest
 /// vertex, edge or face (Bærentzen & Aanæs 2005): it comes with the distance from a single search and is exact on edges
@@ -141,4 +141,4 @@ class SignedDistance {
   int turn_ = 1;
 };
 
-}  // namespace corotet
+}  // namespace corotet::inline v0_1

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <utility>
 
-namespace corotet::detail {
+namespace corotet::inline v0_1::detail {
 
 /// A vertex of the mesh: the lattice vertex `a` where a == b, otherwise the cut point on the edge a b.
 struct StencilVertex {
@@ -91,4 +91,4 @@ void fill_tetrahedron(const BccLattice& lattice, const std::array<Index, 4>& tet
   }
 }
 
-}  // namespace corotet::detail
+}  // namespace corotet::inline v0_1::detail
