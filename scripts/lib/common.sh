@@ -1,4 +1,4 @@
-# Shared by scripts/demo, scripts/test and scripts/lint; sourced by them, not run.
+# Shared by the scripts; sourced by them, not run.
 # shellcheck shell=bash
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -12,7 +12,7 @@ die() {
 
 # What is needed, for what, and its package in Debian 12, Fedora, Arch and Homebrew (- : none, or part of another).
 #   run   the library, the program and the examples        gpl   the examples that link GPL libraries
-#   test  the tests, sanitizers, fuzzing and linting
+#   test  the tests, sanitizers, fuzzing and linting       port  other compilers, systems and processors
 packages() {
   cat <<'TABLE'
 run  g++                gcc-c++                 gcc             -
@@ -37,6 +37,22 @@ test libclang-rt-16-dev compiler-rt             compiler-rt     -
 test clang-tidy-16      clang-tools-extra       -               -
 test clang-format-16    clang-tools-extra       -               -
 test shellcheck         ShellCheck              shellcheck      shellcheck
+port clang-16           clang                   clang           llvm
+port libc++-16-dev      libcxx-devel            libc++          -
+port libc++abi-16-dev   libcxxabi-devel         libc++abi       -
+port libfast-float-dev  fast_float-devel        fast_float      fast_float
+port g++-mingw-w64-x86-64-posix mingw64-gcc-c++ mingw-w64-gcc   mingw-w64
+port wine64             wine                    wine            -
+port g++-aarch64-linux-gnu gcc-c++-aarch64-linux-gnu aarch64-linux-gnu-gcc -
+port qemu-user          qemu-user               qemu-user       -
+port lld-16             lld                     lld             lld
+port wasi-libc          wasi-libc-devel         wasi-libc       wasi-libc
+port libc++-16-dev-wasm32 wasi-libcxx           wasi-libc++     -
+port libc++abi-16-dev-wasm32 wasi-libcxxabi     wasi-libc++abi  -
+port libclang-rt-16-dev-wasm32 -                wasi-compiler-rt -
+port nodejs             nodejs                  nodejs          node
+port libx11-dev         libX11-devel            libx11          -
+port python3-pip        python3-pip             python-pip      -
 TABLE
 }
 

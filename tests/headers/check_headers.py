@@ -38,8 +38,10 @@ FORBIDDEN = [
 MACRO_HEADERS = ("corotet/core/macros_off.hpp", "corotet/core/macros_on.hpp")
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"](corotet/[^>"]+)[>"]', re.MULTILINE)
-# Comments, string and character literals (a digit separator such as 1'000 is not the start of a literal).
-INERT = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|(?<![0-9A-Fa-f])\'(?:\\.|[^\'\\\n])+\'', re.DOTALL)
+# Comments, string, raw string and character literals (a digit separator such as 1'000 is not the start of a literal).
+INERT = re.compile(
+    r'R"([^\s()\\]{0,16})\(.*?\)\1"|//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|(?<![0-9A-Fa-f])\'(?:\\.|[^\'\\\n])+\'', re.DOTALL
+)
 
 
 def code_of(text):

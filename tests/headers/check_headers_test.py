@@ -73,6 +73,8 @@ class CheckHeaders(unittest.TestCase):
    std::cout */
 #define COROTET_X 1
 const char* text = "throw \\" exit(1)";
+const char* raw = R"js(near = Math.max(1, "2)"); // throw
+exit(1);)js";
 char quote = '"'; int million = 1'000'000; char other = '"';
 static_assert(true); trap_on_assert(); at(i); std::snprintf(b, n, f); retry(); on_exit_code(3);
 (std::max)(1, 2); (std::numeric_limits<int>::min)(); cwiseMin(x); lane_abs(x); nearest(); int max = 1; Result<void> check_it();

@@ -1,6 +1,6 @@
 // Compiles if the library's headers use no name that a header of a platform makes a macro. The macros are those of the
-// platforms, in their forms. By default they are there before any header; with COROTET_TEST_HEADERS_FIRST headers of the
-// standard library come first, with COROTET_TEST_EIGEN_FIRST Eigen, too, as in programs that include their platform
+// platforms, in their forms. By default they are there before any header; with COROTET_TEST_HEADERS_FIRST headers of
+// the standard library come first, with COROTET_TEST_EIGEN_FIRST Eigen, too, as in programs that include their platform
 // late.
 #if defined(COROTET_TEST_HEADERS_FIRST)
 #include <cmath>
@@ -82,11 +82,23 @@
 #define Bottom 1
 
 // Unreal Engine's Core, and AssertMacros.h of macOS
-#define check(expr) { if (!(expr)) __builtin_trap(); }
-#define checkf(expr, ...) { if (!(expr)) __builtin_trap(); }
-#define verify(expr) { if (!(expr)) __builtin_trap(); }
+#define check(expr)                \
+  {                                \
+    if (!(expr)) __builtin_trap(); \
+  }
+#define checkf(expr, ...)          \
+  {                                \
+    if (!(expr)) __builtin_trap(); \
+  }
+#define verify(expr)               \
+  {                                \
+    if (!(expr)) __builtin_trap(); \
+  }
 #define ensure(expr) (expr)
-#define require(expr, label) do { if (!(expr)) goto label; } while (0)
+#define require(expr, label) \
+  do {                       \
+    if (!(expr)) goto label; \
+  } while (0)
 #define TEXT(x) L##x
 #define PI (3.1415926535897932f)
 #define HALF_PI (1.57079632679f)
@@ -112,15 +124,15 @@
 #define F(text) (text)
 #if defined(COROTET_TEST_HEADERS_FIRST)  // the C library itself does not survive these two
 #define abs(x) ((x) > 0 ? (x) : -(x))
-#define round(x) ((x) >= 0 ? (long)((x) + 0.5) : (long)((x) - 0.5))
+#define round(x) ((x) >= 0 ? (long)((x) + 0.5) : (long)((x)-0.5))
 #endif
-#define radians(deg) ((deg) * DEG_TO_RAD)
+#define radians(deg) ((deg)*DEG_TO_RAD)
 #define degrees(rad) ((rad) / DEG_TO_RAD)
 #define sq(x) ((x) * (x))
 #define constrain(amt, low, high) ((amt) < (low) ? (low) : ((amt) > (high) ? (high) : (amt)))
 #define bit(b) (1UL << (b))
 #define word(...) (__VA_ARGS__)
-#define lowByte(w) ((w) & 0xff)
+#define lowByte(w) ((w)&0xff)
 #define B0 0000000
 #define B1 1
 #define B50 0000001
@@ -168,7 +180,8 @@ int main() {
   ImplicitEuler euler(*body);
   Bdf2 second_order(*body);
   const bool stepped = euler.step(*body, 0.01f).ok() && second_order.step(*body, 0.01f).ok();
-  auto surface = EmbeddedSurface<float, Tet10>::bind(*mesh, compact_surface(*extract_boundary(*block), block->positions).surface);
+  auto surface =
+      EmbeddedSurface<float, Tet10>::bind(*mesh, compact_surface(*extract_boundary(*block), block->positions).surface);
   const Result<MeshData> read = read_mesh("none");
   return stepped && surface && !read ? 0 : 1;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
 #include <limits>
@@ -85,7 +86,7 @@ inline AnimationBox box_of(const Animation& animation) {
 [[nodiscard]] inline Result<void> validate(const Animation& animation) {
   if (!(animation.frame_seconds > 0) || !std::isfinite(animation.frame_seconds))
     return Error{ErrorCode::invalid_argument, "frame_seconds", "it must be a finite number greater than 0"};
-  if (!all_finite(animation.up) || (animation.up[0] == 0 && animation.up[1] == 0 && animation.up[2] == 0))
+  if (!all_finite(animation.up) || detail::is_zero(animation.up.cwiseAbs().maxCoeff()))
     return Error{ErrorCode::invalid_argument, "up", "it must be finite and not zero"};
   const std::size_t frames = animation.surface_frames.size();
   if (frames == 0) return Error{ErrorCode::empty_mesh, "surface_frames", "there must be at least one frame"};

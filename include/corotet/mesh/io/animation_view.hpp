@@ -18,18 +18,18 @@ struct AnimationAxes {
 
 inline AnimationAxes axes_of(const Animation& animation, const AnimationBox& box) {
   const Vec3<double>& u = animation.up;
-  const double largest = (std::max)({std::abs(u[0]), std::abs(u[1]), std::abs(u[2])});
-  const Vec3<double> up = Vec3<double>(u / largest).normalized();
+  const double largest = u.cwiseAbs().maxCoeff();
+  const Vec3<double> up = (u / largest).normalized();
   // The x axis made horizontal, or the y axis where x is nearly up.
-  const Vec3<double> start = std::abs(up[0]) < 0.9 ? Vec3<double>(1, 0, 0) : Vec3<double>(0, 1, 0);
-  const Vec3<double> first = Vec3<double>(start - up * up.dot(start)).normalized();
+  const Vec3<double> start = std::fabs(up[0]) < 0.9 ? Vec3<double>(1, 0, 0) : Vec3<double>(0, 1, 0);
+  const Vec3<double> first = (start - up * up.dot(start)).normalized();
   const Vec3<double> second = up.cross(first);
   const auto length = [&](const Vec3<double>& axis) {
     double sum = 0;
-    for (int i = 0; i < 3; ++i) sum += std::abs(axis[i]) * (box.longest > 0 ? box.extent[i] / box.longest : 0);
+    for (int i = 0; i < 3; ++i) sum += std::fabs(axis[i]) * (box.longest > 0 ? box.extent[i] / box.longest : 0);
     return sum;
   };
-  if (length(second) > length(first)) return {second, Vec3<double>(first * -1.0), up};
+  if (length(second) > length(first)) return {second, first * -1.0, up};
   return {first, second, up};
 }
 

@@ -61,7 +61,8 @@ inline std::vector<std::vector<GridPoint>> contours_of(const Grid& grid, float l
     std::vector<GridPoint> loop;
     for (Index edge = static_cast<Index>(start); next[at(edge)] >= 0;) {
       const Index a = edge / 2, b = edge % 2 == 0 ? a + 1 : a + grid.columns;
-      const double va = grid.values[at(a)], vb = grid.values[at(b)], share = (level - va) / (vb - va);
+      const auto va = static_cast<double>(grid.values[at(a)]), vb = static_cast<double>(grid.values[at(b)]);
+      const double share = (static_cast<double>(level) - va) / (vb - va);
       const Index column = a % grid.columns, row = a / grid.columns;
       const double x = column, y = row;
       loop.push_back(edge % 2 == 0 ? GridPoint{x + share, y} : GridPoint{x, y + share});
@@ -82,11 +83,11 @@ inline std::vector<GridPoint> simplified(const std::vector<GridPoint>& loop, dou
     return std::hypot(p.x - q.x - t * dx, p.y - q.y - t * dy);
   };
   std::vector<bool> keep(loop.size(), false);
-  std::size_t far = 0;
+  std::size_t farthest = 0;
   for (std::size_t i = 1; i < loop.size(); ++i)
-    if (distance(i, 0, 0) > distance(far, 0, 0)) far = i;
-  keep[0] = keep[far] = true;
-  std::vector<std::array<std::size_t, 2>> spans{{0, far}, {far, loop.size()}};
+    if (distance(i, 0, 0) > distance(farthest, 0, 0)) farthest = i;
+  keep[0] = keep[farthest] = true;
+  std::vector<std::array<std::size_t, 2>> spans{{0, farthest}, {farthest, loop.size()}};
   while (!spans.empty()) {
     const auto [begin, end] = spans.back();
     spans.pop_back();
@@ -115,7 +116,7 @@ inline double area_of(const std::vector<GridPoint>& loop) {
     const GridPoint &p = loop[i], &q = loop[(i + 1) % loop.size()];
     sum += p.x * q.y - q.x * p.y;
   }
-  return std::abs(sum) / 2;
+  return std::fabs(sum) / 2;
 }
 
 }  // namespace corotet::inline v0_1::detail

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/mesh/io/contours.hpp>
 #include <limits>
@@ -53,7 +54,7 @@ class ShadeImage {
           depth += weight * corners[i].depth;
           shade += weight * shades[i];
         }
-        if (!inside || depth <= depth_(column, row)) continue;
+        if (!inside || depth <= static_cast<double>(depth_(column, row))) continue;
         depth_(column, row) = static_cast<float>(depth);
         shade_(column, row) = static_cast<float>(shade);
       }
@@ -63,7 +64,7 @@ class ShadeImage {
   [[nodiscard]] bool is_visible(const PicturePoint& p, double tolerance) const {
     const double x = p.x * samples_per_unit, y = p.y * samples_per_unit;
     if (!(x >= 0) || !(y >= 0) || x >= depth_.columns || y >= depth_.rows) return true;
-    return p.depth + tolerance >= depth_(static_cast<Index>(x), static_cast<Index>(y));
+    return p.depth + tolerance >= static_cast<double>(depth_(static_cast<Index>(x), static_cast<Index>(y)));
   }
 
   /// The share of each unit square that the surface covers. Point (c, r) of the result is the middle of square
@@ -87,12 +88,12 @@ class ShadeImage {
       const Grid before = grid;
       for (Index row = 1; row <= height_; ++row)
         for (Index column = 1; column <= width_; ++column) {
-          if (before(column, row) != nothing) continue;
+          if (!exactly_equal(before(column, row), nothing)) continue;
           float sum = 0;
           int count = 0;
           for (Index r = row - 1; r <= row + 1; ++r)
             for (Index c = column - 1; c <= column + 1; ++c)
-              if (before(c, r) != nothing) {
+              if (!exactly_equal(before(c, r), nothing)) {
                 sum += before(c, r);
                 ++count;
               }
@@ -114,7 +115,7 @@ class ShadeImage {
         int covered = 0;
         for (Index r = row * samples_per_unit; r < (row + 1) * samples_per_unit; ++r)
           for (Index c = column * samples_per_unit; c < (column + 1) * samples_per_unit; ++c)
-            if (shade_(c, r) != nothing) {
+            if (!exactly_equal(shade_(c, r), nothing)) {
               sum += shade_(c, r);
               ++covered;
             }
