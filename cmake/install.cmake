@@ -2,7 +2,7 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-if(TARGET corotet_compiled)
+if(COROTET_WITH_COMPILED)
   set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/corotet)
   set(arch_independent "")
   install(TARGETS corotet_compiled EXPORT corotet-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})

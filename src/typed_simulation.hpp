@@ -26,7 +26,6 @@
 #include "plain_product.hpp"
 #include "problems.hpp"
 #include "simulation.hpp"
-#include "solver_instances.hpp"
 #include "timing.hpp"
 
 namespace corotet::program {

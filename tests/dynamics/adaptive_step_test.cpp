@@ -10,7 +10,6 @@
 #include "support/bodies.hpp"
 #include "support/count_allocations.hpp"
 #include "support/floating_point_traps.hpp"
-#include "support/solver_instances.hpp"
 
 namespace corotet::adaptive_step_test {
 namespace {

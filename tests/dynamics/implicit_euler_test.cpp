@@ -14,7 +14,6 @@
 #include "support/bodies.hpp"
 #include "support/floating_point_traps.hpp"
 #include "support/solver_choice.hpp"
-#include "support/solver_instances.hpp"
 
 namespace corotet::implicit_euler_test {
 namespace {

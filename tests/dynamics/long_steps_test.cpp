@@ -8,7 +8,6 @@
 
 #include "support/bodies.hpp"
 #include "support/solver_choice.hpp"
-#include "support/solver_instances.hpp"
 
 namespace corotet::long_steps_test {
 namespace {

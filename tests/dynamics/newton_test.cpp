@@ -13,7 +13,6 @@
 #include "support/bodies.hpp"
 #include "support/random.hpp"
 #include "support/solver_choice.hpp"
-#include "support/solver_instances.hpp"
 
 namespace corotet::newton_test {
 namespace {

@@ -18,7 +18,6 @@
 
 #include "support/bodies.hpp"
 #include "support/random_mesh.hpp"
-#include "support/solver_instances.hpp"
 
 namespace corotet::random_steps_test {
 namespace {

@@ -10,7 +10,6 @@
 
 #include "support/bodies.hpp"
 #include "support/random.hpp"
-#include "support/solver_instances.hpp"
 
 namespace corotet::recovery_test {
 namespace {

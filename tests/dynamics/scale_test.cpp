@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "support/bodies.hpp"
-#include "support/solver_instances.hpp"
 
 namespace corotet::scale_test {
 namespace {

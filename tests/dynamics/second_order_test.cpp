@@ -13,7 +13,6 @@
 #include "support/bodies.hpp"
 #include "support/floating_point_traps.hpp"
 #include "support/solver_choice.hpp"
-#include "support/solver_instances.hpp"
 
 namespace corotet::second_order_test {
 namespace {

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "support/bodies.hpp"
-#include "support/solver_instances.hpp"
 
 namespace corotet::static_accuracy_test {
 namespace {

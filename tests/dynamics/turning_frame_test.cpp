@@ -11,7 +11,6 @@
 #include "support/bodies.hpp"
 #include "support/floating_point_traps.hpp"
 #include "support/solver_choice.hpp"
-#include "support/solver_instances.hpp"
 
 namespace corotet::turning_frame_test {
 namespace {

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include "support/bodies.hpp"
-#include "support/solver_instances.hpp"
 
 namespace corotet {
 namespace {

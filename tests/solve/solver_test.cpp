@@ -11,7 +11,6 @@
 
 #include "solve/step_matrices.hpp"
 #include "support/floating_point_traps.hpp"
-#include "support/solver_instances.hpp"
 
 namespace corotet::solver_test {
 namespace {

@@ -56,7 +56,7 @@ class MeanDilatation {
     if constexpr (over_patches) {
       patches_ = dilatation_patches(mesh);
       find_local_vertices(mesh);
-      weight_.resize(patches_.element.size());
+      weight_ = detail::Buffer<Weight>(patches_.element.size());
     }
   }
 
