@@ -14,6 +14,7 @@
 #include <corotet/mesh/make_block.hpp>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <numbers>
 #include <string>
 
@@ -149,7 +150,7 @@ bool run(const std::string& folder, int frames) {
   const std::string page = folder + "/beam.html", picture = folder + "/beam.svg";
   const Index last = size_of(animation.surface_frames) - 1;  // of the pictures; it has swung down by half of them
   for (const Result<void>& s : {write_animation_html(page, animation),
-                          write_filmstrip_svg(picture, animation, {.frames = {0, last / 6, last / 3, last / 2}})})
+                                write_filmstrip_svg(picture, animation, {.frames = {0, last / 6, last / 3, last / 2}})})
     if (!s) return complain(s.error());
   std::printf("To see it move, open %s in a browser; %s is a picture of four of its frames\n", page.c_str(),
               picture.c_str());

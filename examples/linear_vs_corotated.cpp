@@ -9,6 +9,7 @@
 #include <corotet/rotation/polar.hpp>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <string>
 
 #include "self_weight_beam.hpp"

@@ -4,6 +4,7 @@
 // is from that. A cube of 1 m, lambda = mu = 1 Pa unless another unit is said; no solver, no damping.
 //
 //   rotation_laws [seconds that the free cubes ring, default 200] [time step, default 0.005 s]
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <corotet/assembly/elasticity.hpp>

@@ -8,6 +8,7 @@
 #include <corotet/solve/block_cholesky.hpp>
 #include <cstdio>
 #include <cstring>
+#include <memory>
 #include <optional>
 #include <random>
 #include <vector>

@@ -10,6 +10,9 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
+#include <cmath>
+#include <limits>
+#include <utility>
 
 #include "support/bodies.hpp"
 #include "support/elastic_rig.hpp"

@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <cmath>
 
 #include "support/bodies.hpp"
 #include "support/elastic_rig.hpp"

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
 
 #include "support/bodies.hpp"
 #include "support/floating_point_traps.hpp"

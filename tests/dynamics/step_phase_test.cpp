@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <corotet/core/executor.hpp>
+#include <corotet/core/revision.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <corotet/dynamics/soft_body.hpp>
 #include <corotet/dynamics/step_phase.hpp>
@@ -63,7 +64,7 @@ TEST(StepPhase, ObservingChangesNoBit) {
 /// Motion, and steps that vary a little, go on with what was factored; anything else begins a new era.
 TEST(SystemEra, ChangesWithAllThatChangesTheMatrixButMotion) {
   SystemEra era;
-  SystemEra::Settings now{.mass_factor = 1, .stiffness_factor = 3e-4, .materials = 5, .pins = 9};
+  SystemEra::Settings now{.mass_factor = 1, .stiffness_factor = 3e-4, .materials = new_revision(), .pins = new_revision()};
   EXPECT_EQ(era.of(now), 1U);
   for (const double factor : {1.0, 1.2, 0.8, 1.0}) {
     now.stiffness_factor = factor * 3e-4;
@@ -73,17 +74,19 @@ TEST(SystemEra, ChangesWithAllThatChangesTheMatrixButMotion) {
   EXPECT_EQ(era.of(now), 2U);
   now.mass_factor = 2;
   EXPECT_EQ(era.of(now), 3U);
-  now.materials = 6;
+  now.materials = new_revision();
   EXPECT_EQ(era.of(now), 4U);
-  now.pins = 10;
+  now.pins = new_revision();
   EXPECT_EQ(era.of(now), 5U);
+  now.pins.module = &now;  // the same number, of another shared library
+  EXPECT_EQ(era.of(now), 6U);
   // Slow growth does not creep past the limit: what counts is the first step of the era.
-  std::uint64_t last = 5;
+  std::uint64_t last = 6;
   for (int i = 0; i < 10; ++i) {
     now.stiffness_factor *= 1.1;
     last = era.of(now);
   }
-  EXPECT_EQ(last, 8U);  // 1.1^3 > 1.25 three times
+  EXPECT_EQ(last, 9U);  // 1.1^3 > 1.25 three times
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <corotet/mesh/boundary.hpp>
 #include <corotet/mesh/make_block.hpp>
 #include <map>

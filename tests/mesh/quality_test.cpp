@@ -1,9 +1,15 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <corotet/mesh/make_block.hpp>
 #include <corotet/mesh/quality.hpp>
 #include <corotet/rotation/quaternion.hpp>
+#include <limits>
+#include <numbers>
+#include <numeric>
 #include <random>
+#include <utility>
 
 namespace corotet {
 namespace {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <corotet/mesh/make_block.hpp>
 #include <corotet/mesh/quality.hpp>

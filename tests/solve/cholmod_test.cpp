@@ -3,6 +3,7 @@
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <corotet/solve/cholmod.hpp>
 #include <gtest/gtest.h>
+#include <memory>
 
 #include "support/bodies.hpp"
 

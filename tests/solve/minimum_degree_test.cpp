@@ -9,6 +9,7 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <numeric>
 #include <set>
 #include <utility>

@@ -6,6 +6,8 @@
 #include <corotet/solve/warped_cholesky.hpp>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <set>
 

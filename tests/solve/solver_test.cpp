@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <memory>
 

@@ -8,6 +8,7 @@
 #include <corotet/dynamics/soft_body.hpp>
 #include <corotet/mesh/make_block.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
+#include <cstdlib>
 #include <utility>
 
 #include "support/random.hpp"
