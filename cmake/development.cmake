@@ -17,5 +17,5 @@ set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
 # The yardstick of the program and of the benchmarks, the same code in both: see its header.
 add_library(corotet_plain_product OBJECT EXCLUDE_FROM_ALL ${PROJECT_SOURCE_DIR}/src/plain_product.cpp)
-target_link_libraries(corotet_plain_product PRIVATE corotet::compiled corotet_warnings)
+target_link_libraries(corotet_plain_product PRIVATE corotet::corotet corotet_warnings)
 target_compile_options(corotet_plain_product PRIVATE -fno-tree-vectorize -fno-tree-slp-vectorize)

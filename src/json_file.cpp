@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <corotet/mesh/io/file_bytes.hpp>
 #include <cstddef>
+#include <filesystem>
 #include <set>
 #include <string>
 #include <vector>

@@ -4,6 +4,7 @@
 
 #include <corotet/mesh/io/file_bytes.hpp>
 #include <corotet/mesh/io/write_vtu.hpp>
+#include <filesystem>
 #include <iterator>
 #include <string_view>
 #include <system_error>

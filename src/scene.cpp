@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <corotet/core/types.hpp>
+#include <filesystem>
 #include <limits>
 #include <string>
 #include <system_error>

@@ -11,13 +11,14 @@ die() {
 }
 
 # What is needed, for what, and its package in Debian 12, Fedora, Arch and Homebrew (- : none, or part of another).
-#   run   the library, the program and the examples        gpl   the examples that link GPL libraries
+#   demo  the library and its first example                run   the program and all examples
+#   gpl   the examples that link GPL libraries
 #   test  the tests, sanitizers, fuzzing and linting       port  other compilers, systems and processors
 packages() {
   cat <<'TABLE'
-run  g++                gcc-c++                 gcc             -
-run  cmake              cmake                   cmake           cmake
-run  ninja-build        ninja-build             ninja           ninja
+demo g++                gcc-c++                 gcc             -
+demo cmake              cmake                   cmake           cmake
+demo ninja-build        ninja-build             ninja           ninja
 run  libeigen3-dev      eigen3-devel            eigen           eigen
 run  libcli11-dev       cli11-devel             cli11           cli11
 run  nlohmann-json3-dev json-devel              nlohmann-json   nlohmann-json
@@ -79,6 +80,7 @@ install_missing() {
     echo "  Homebrew: $(package_names 5 "$@" | xargs)"
     return
   fi
+  set -- demo "$@" # which the others need, too
   mapfile -t wanted < <(package_names 2 "$@")
   for name in "${wanted[@]}"; do
     is_installed "$name" || missing+=("$name")

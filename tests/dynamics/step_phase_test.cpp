@@ -64,7 +64,8 @@ TEST(StepPhase, ObservingChangesNoBit) {
 /// Motion, and steps that vary a little, go on with what was factored; anything else begins a new era.
 TEST(SystemEra, ChangesWithAllThatChangesTheMatrixButMotion) {
   SystemEra era;
-  SystemEra::Settings now{.mass_factor = 1, .stiffness_factor = 3e-4, .materials = new_revision(), .pins = new_revision()};
+  SystemEra::Settings now{
+      .mass_factor = 1, .stiffness_factor = 3e-4, .materials = new_revision(), .pins = new_revision()};
   EXPECT_EQ(era.of(now), 1U);
   for (const double factor : {1.0, 1.2, 0.8, 1.0}) {
     now.stiffness_factor = factor * 3e-4;

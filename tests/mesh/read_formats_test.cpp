@@ -7,6 +7,7 @@
 #include <clocale>
 #include <corotet/mesh/io/read_mesh.hpp>
 #include <corotet/mesh/io/write_msh.hpp>
+#include <filesystem>
 #include <string>
 #include <vector>
 

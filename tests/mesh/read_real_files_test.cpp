@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <corotet/mesh/io/read_mesh.hpp>
+#include <filesystem>
 #include <string>
 #include <vector>
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <corotet/mesh/io/read_surface.hpp>
 #include <corotet/mesh/io/write_obj.hpp>
+#include <filesystem>
 #include <map>
 #include <random>
 #include <set>

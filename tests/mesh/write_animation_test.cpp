@@ -8,6 +8,7 @@
 #include <corotet/mesh/io/write_animation_html.hpp>
 #include <corotet/mesh/io/write_filmstrip_svg.hpp>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <numbers>

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <corotet/assembly/strain.hpp>
+#include <corotet/core/elementary.hpp>
 #include <corotet/core/lanes.hpp>
 #include <corotet/core/types.hpp>
 
@@ -28,7 +29,8 @@ struct DeformationExtremes {
 
   /// Angle of the element rotation farthest from the identity, rad, 0 ... pi.
   [[nodiscard]] double largest_rotation() const {
-    return std::acos(std::clamp((least_rotation_trace - 1) / 2, -1.0, 1.0));
+    const double cosine = std::clamp((least_rotation_trace - 1) / 2, -1.0, 1.0);
+    return detail::arc_tangent(std::sqrt(1 - cosine * cosine), cosine);
   }
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <corotet/core/assert.hpp>
 #include <corotet/core/exactly.hpp>
+#include <corotet/core/contraction.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/energy_balance.hpp>
@@ -42,6 +43,7 @@ class ImplicitStep {
         sum_(body.vertex_count()),
         frame_(body.vertex_count()),
         balance_(body) {
+    detail::expect_deterministic();
     solver_.analyze(body.pattern(), body.mesh().positions());
   }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <corotet/core/exactly.hpp>
+#include <corotet/core/elementary.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/rotation/polar_robust.hpp>
@@ -53,7 +54,7 @@ class TurningFrame {
     const auto sum = Matrix<double, 3, 8>::load(sums.data());
     before_ = motion(body, sum);
     const double damping = double(h) * body.damping().mass;
-    const double decay = second_order ? std::exp(-damping) : 1 / (1 + damping);
+    const double decay = second_order ? detail::exponential(-damping) : 1 / (1 + damping);
     const Vec3<double> midway = before_.centre + double(h) / 2 * before_.velocity;
     goal_ = decay * before_.momentum + double(h) * std::sqrt(decay) * (sum.col(7) - midway.cross(sum.col(6)));
     mean_force_ = sum.col(6) / body.mass().total();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <corotet/core/elementary.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/mesh/surface_mesh.hpp>
 #include <vector>
@@ -26,7 +27,7 @@ namespace corotet::inline v0_1 {
     for (std::size_t i = 0; i < 3; ++i) {
       const Vec3<double>& x = surface.positions[at(t[i])];
       const Vec3<double> e = surface.positions[at(t[(i + 1) % 3])] - x, f = surface.positions[at(t[(i + 2) % 3])] - x;
-      normals[at(t[i])] += std::atan2(e.cross(f).stableNorm(), e.dot(f)) * n;
+      normals[at(t[i])] += detail::arc_tangent(e.cross(f).stableNorm(), e.dot(f)) * n;
     }
   }
   for (Vec3<double>& n : normals) {

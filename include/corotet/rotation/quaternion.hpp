@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <corotet/core/elementary.hpp>
 #include <corotet/core/types.hpp>
 
 namespace corotet::inline v0_1 {
@@ -39,8 +40,9 @@ template <std::floating_point Scalar>
 [[nodiscard]] inline Mat3<double> rotation_by(const Vec3<double>& turn) {
   const double angle = turn.norm();
   if (!(angle > 0)) return Mat3<double>::Identity();
-  const Vec3<double> axis = std::sin(angle / 2) / angle * turn;
-  return rotation_of<double>({std::cos(angle / 2), axis[0], axis[1], axis[2]});
+  const auto [sine, cosine] = detail::sine_and_cosine(angle / 2);
+  const Vec3<double> axis = sine / angle * turn;
+  return rotation_of<double>({cosine, axis[0], axis[1], axis[2]});
 }
 
 }  // namespace corotet::inline v0_1
