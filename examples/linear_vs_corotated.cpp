@@ -28,7 +28,7 @@ double volume(const Body& body) {
       const auto gradient = Element::gradient(point.xi);
       Mat3<double> jacobian = Mat3<double>::Zero();
       for (std::size_t a = 0; a < nodes.size(); ++a)
-        for (int i = 0; i < 3; ++i) jacobian.col(i) += body.position(nodes[a]) * gradient[a][at(i)];
+        jacobian += body.position(nodes[a]) * Vec3<double>::load(gradient[a].data()).transpose();
       sum += point.weight * jacobian.determinant();
     }
   return sum;
