@@ -1,4 +1,5 @@
-// Everything that needs Eigen alone. Opt-in headers (core/tbb_executor.hpp, solve/cholmod.hpp) are included by name.
+// Everything that needs no other library. Opt-in headers (core/eigen.hpp, core/tbb_executor.hpp, solve/cholmod.hpp) are
+// included by name.
 #pragma once
 
 #include <corotet/core/macros_off.hpp>
@@ -13,17 +14,18 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
+#include <initializer_list>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
+#include <new>
 #include <numbers>
 #include <numeric>
 #include <optional>
-#include <ranges>
 #include <span>
 #include <string>
 #include <string_view>
@@ -31,7 +33,6 @@
 #include <tuple>
 #include <type_traits>
 #include <utility>
-#include <variant>
 #include <vector>
 #include <version>
 
@@ -45,15 +46,27 @@
 #include <corotet/assembly/dilatation_patches.hpp>
 #include <corotet/assembly/elastic_evaluation.hpp>
 #include <corotet/assembly/elasticity.hpp>
+#include <corotet/assembly/element_rotations.hpp>
 #include <corotet/assembly/mass.hpp>
 #include <corotet/assembly/mean_dilatation.hpp>
 #include <corotet/assembly/strain.hpp>
 #include <corotet/assembly/twist_modes.hpp>
 #include <corotet/core/assert.hpp>
+#include <corotet/core/buffer.hpp>
 #include <corotet/core/compiler.hpp>
+#include <corotet/core/contraction.hpp>
+#include <corotet/core/deep_pointer.hpp>
+#include <corotet/core/elementary.hpp>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/file_path.hpp>
+#include <corotet/core/from_chars_by_strtod.hpp>
+#include <corotet/core/instances.hpp>
 #include <corotet/core/lanes.hpp>
+#include <corotet/core/matrix.hpp>
+#include <corotet/core/message.hpp>
 #include <corotet/core/number_text.hpp>
+#include <corotet/core/parse_number.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/revision.hpp>
@@ -155,6 +168,7 @@
 #include <corotet/rotation/per_element.hpp>
 #include <corotet/rotation/polar.hpp>
 #include <corotet/rotation/polar_robust.hpp>
+#include <corotet/rotation/quaternion.hpp>
 #include <corotet/rotation/rotation_extractor.hpp>
 #include <corotet/solve/aggregates.hpp>
 #include <corotet/solve/auto_solver.hpp>
@@ -176,4 +190,5 @@
 #include <corotet/solve/solve_cost.hpp>
 #include <corotet/solve/solver.hpp>
 #include <corotet/solve/step_system.hpp>
+#include <corotet/solve/symbolic_factor.hpp>
 #include <corotet/solve/warped_cholesky.hpp>

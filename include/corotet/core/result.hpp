@@ -2,7 +2,9 @@
 #pragma once
 
 #include <corotet/core/assert.hpp>
-#include <optional>
+#include <corotet/core/compiler.hpp>
+#include <memory>
+#include <new>
 #include <string>
 #include <utility>
 
@@ -33,28 +35,69 @@ struct Error {
   [[nodiscard]] std::string message() const { return where.empty() ? reason : where + ": " + reason; }
 };
 
+namespace detail {
+
+/// An error that lies elsewhere, or none: results of calls that went well are tested and passed on for next to nothing.
+class OptionalError {
+ public:
+  OptionalError() = default;
+  explicit OptionalError(Error error) : error_(new Error(std::move(error))) {}
+  OptionalError(const OptionalError& other) : error_(other.error_ == nullptr ? nullptr : copy(*other.error_)) {}
+  OptionalError(OptionalError&& other) noexcept : error_(std::exchange(other.error_, nullptr)) {}
+  OptionalError& operator=(OptionalError other) noexcept {
+    std::swap(error_, other.error_);
+    return *this;
+  }
+  ~OptionalError() {
+    if (error_ != nullptr) destroy(error_);
+  }
+
+  [[nodiscard]] const Error* get() const { return error_; }
+
+ private:
+  COROTET_COLD static Error* copy(const Error& error) { return new Error(error); }
+  COROTET_COLD static void destroy(Error* error) { delete error; }
+
+  Error* error_ = nullptr;
+};
+
+}  // namespace detail
+
 /// Holds a `T`, or the `Error` that prevented it. Test it before use; reading the wrong side is an assertion.
 template <class T>
 class [[nodiscard]] Result {
  public:
   // Implicit on purpose: `return value;` and `return Error{...};` are the two ways to end a function.
-  Result(T value) : value_(std::move(value)) {}      // NOLINT(google-explicit-constructor)
-  Result(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
+  Result(T value) : value_(std::move(value)), ok_(true) {}  // NOLINT(google-explicit-constructor)
+  Result(Error error) : error_(std::move(error)) {}         // NOLINT(google-explicit-constructor)
+  Result(const Result& other) : error_(other.error_) {
+    if (other.ok_) hold(other.value_);
+  }
+  Result(Result&& other) noexcept : error_(std::move(other.error_)) {
+    if (other.ok_) hold(std::move(other.value_));
+  }
+  Result& operator=(Result other) noexcept {
+    drop();
+    if (other.ok_) hold(std::move(other.value_));
+    error_ = std::move(other.error_);
+    return *this;
+  }
+  ~Result() { drop(); }
 
-  [[nodiscard]] bool ok() const { return value_.has_value(); }
-  explicit operator bool() const { return ok(); }
+  [[nodiscard]] bool ok() const { return ok_; }
+  explicit operator bool() const { return ok_; }
 
   [[nodiscard]] T& value() & {
-    COROTET_ASSERT(ok(), "test a Result before taking its value");
-    return *value_;
+    COROTET_ASSERT(ok_, "test a Result before taking its value");
+    return value_;
   }
   [[nodiscard]] const T& value() const& {
-    COROTET_ASSERT(ok(), "test a Result before taking its value");
-    return *value_;
+    COROTET_ASSERT(ok_, "test a Result before taking its value");
+    return value_;
   }
   [[nodiscard]] T&& value() && {
-    COROTET_ASSERT(ok(), "test a Result before taking its value");
-    return std::move(*value_);
+    COROTET_ASSERT(ok_, "test a Result before taking its value");
+    return std::move(value_);
   }
 
   [[nodiscard]] T& operator*() & { return value(); }
@@ -64,13 +107,26 @@ class [[nodiscard]] Result {
   [[nodiscard]] const T* operator->() const { return &value(); }
 
   [[nodiscard]] const Error& error() const {
-    COROTET_ASSERT(!ok(), "this Result holds a value, not an error");
-    return error_;
+    COROTET_ASSERT(!ok_, "this Result holds a value, not an error");
+    return *error_.get();
   }
 
  private:
-  std::optional<T> value_;
-  Error error_;
+  template <class U>
+  void hold(U&& value) {
+    ::new (static_cast<void*>(std::addressof(value_))) T(std::forward<U>(value));
+    ok_ = true;
+  }
+  void drop() {
+    if (ok_) value_.~T();
+    ok_ = false;
+  }
+
+  detail::OptionalError error_;
+  union {  // by hand: std::optional of each T that is a result costs sixty functions to compile
+    T value_;
+  };
+  bool ok_ = false;
 };
 
 /// The outcome of something that returns nothing: success, or an `Error`.
@@ -80,16 +136,16 @@ class [[nodiscard]] Result<void> {
   Result() = default;
   Result(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor): as above
 
-  [[nodiscard]] bool ok() const { return !error_.has_value(); }
+  [[nodiscard]] bool ok() const { return error_.get() == nullptr; }
   explicit operator bool() const { return ok(); }
 
   [[nodiscard]] const Error& error() const {
     COROTET_ASSERT(!ok(), "this Result is a success, it has no error");
-    return *error_;
+    return *error_.get();
   }
 
  private:
-  std::optional<Error> error_;
+  detail::OptionalError error_;
 };
 
 }  // namespace corotet::inline v0_1
