@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <corotet/core/assert.hpp>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/types.hpp>
 #include <numeric>
 #include <vector>
@@ -65,8 +66,8 @@ struct BlockPattern {
   /// The pattern of a mesh of `vertices` vertices, with the blocks of `groups` besides those of the elements.
   /// O(elements * nodes^2 * log(blocks in a row)).
   template <std::size_t N>
-  [[nodiscard]] static BlockPattern of(const std::vector<std::array<Index, N>>& elements, Index vertices,
-                                       const VertexGroups& groups = {}) {
+  [[nodiscard]] COROTET_COLD static BlockPattern of(const std::vector<std::array<Index, N>>& elements, Index vertices,
+                                                    const VertexGroups& groups = {}) {
     COROTET_ASSERT(groups.vertex.size() <= most_group_members, "too many groups for 32-bit indices");
     BlockPattern p;
     p.find_incidence(elements, vertices);
@@ -85,7 +86,7 @@ struct BlockPattern {
 
  private:
   template <std::size_t N>
-  void find_incidence(const std::vector<std::array<Index, N>>& elements, Index vertices) {
+  COROTET_COLD void find_incidence(const std::vector<std::array<Index, N>>& elements, Index vertices) {
     incidence_start.assign(at(vertices) + 1, 0);
     for (const auto& nodes : elements)
       for (const Index v : nodes) ++incidence_start[at(v) + 1];
@@ -97,7 +98,7 @@ struct BlockPattern {
   }
 
   template <std::size_t N>
-  void find_blocks(const std::vector<std::array<Index, N>>& elements, const VertexGroups& groups) {
+  COROTET_COLD void find_blocks(const std::vector<std::array<Index, N>>& elements, const VertexGroups& groups) {
     const std::size_t n = incidence_start.size() - 1;
     std::vector<std::vector<Index>> groups_of(groups.count() > 0 ? n : 0);
     for (Index g = 0; g < groups.count(); ++g)
@@ -129,7 +130,7 @@ struct BlockPattern {
 
   static constexpr Index code_range = 2 * VertexGroups::most_vertices;
 
-  void find_group_contributions(const VertexGroups& groups) {
+  COROTET_COLD void find_group_contributions(const VertexGroups& groups) {
     const auto code = [](Index row, Index column_place) {
       return at(row) * at(code_range) + at(column_place - row + VertexGroups::most_vertices);
     };
@@ -146,8 +147,8 @@ struct BlockPattern {
   /// Sorts contributions by their block. `for_each_pair` visits (row vertex, column vertex, code) of each, below the
   /// diagonal too, twice in the same order; about `expected` of them are not below it.
   template <class ForEachPair>
-  void find_contributions(const ForEachPair& for_each_pair, std::size_t expected, std::vector<Index>& start,
-                          std::vector<Index>& list) const {
+  COROTET_COLD void find_contributions(const ForEachPair& for_each_pair, std::size_t expected,
+                                       std::vector<Index>& start, std::vector<Index>& list) const {
     std::vector<Index> upper_of_slot(column.size(), -1);
     for (std::size_t u = 0; u < upper.size(); ++u) upper_of_slot[at(upper[u].slot)] = static_cast<Index>(u);
 

@@ -6,6 +6,7 @@
 #include <corotet/assembly/deformation_extremes.hpp>
 #include <corotet/assembly/twist_modes.hpp>
 #include <corotet/core/buffer.hpp>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/element_batch.hpp>
@@ -27,7 +28,7 @@ class ElasticEvaluation {
 
   /// `tangent`: plain is all there is where the rotation is not Polar at each point, see Elasticity::has_twist_modes.
   template <class Law>
-  explicit ElasticEvaluation(const Law& law, Tangent tangent = Tangent::plain)
+  COROTET_COLD explicit ElasticEvaluation(const Law& law, Tangent tangent = Tangent::plain)
       : extremes((law.batches().size() + at(Law::batch_grain) - 1) / at(Law::batch_grain)),
         twist(Law::has_twist_modes ? tangent : Tangent::plain, law.batches().size(), points),
         force_(at(law.element_count()) * nodes),

@@ -13,6 +13,7 @@
 #include <corotet/assembly/mean_dilatation.hpp>
 #include <corotet/assembly/strain.hpp>
 #include <corotet/core/buffer.hpp>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/element_batch.hpp>
@@ -48,15 +49,15 @@ class Elasticity {
   static constexpr bool is_conservative = has_twist_modes || std::derived_from<Rotation, Identity>;
 
   /// `materials` must pass Materials::check for this mesh.
-  Elasticity(const TetMesh<Scalar, Element>& mesh, const Materials& materials,
-             Dilatation dilatation = Dilatation::per_element)
+  COROTET_COLD Elasticity(const TetMesh<Scalar, Element>& mesh, const Materials& materials,
+                          Dilatation dilatation = Dilatation::per_element)
       : elements_(mesh.element_count()), batches_(at(batch_count(elements_))), mean_(mesh, dilatation) {
     for (Index e = 0; e < size_of(batches_) * lane_count<Scalar>; ++e) set_rest_state(mesh, e);
     set_materials(materials);
   }
 
   /// New materials for the same mesh; they must pass Materials::check. Takes effect at the next evaluation.
-  void set_materials(const Materials& materials) {
+  COROTET_COLD void set_materials(const Materials& materials) {
     for (Index e = 0; e < elements_; ++e) {
       const auto [lambda, mu] = lame(materials.of_element(at(e)));
       Batch& batch = batches_[at(e / lane_count<Scalar>)];
@@ -146,7 +147,7 @@ class Elasticity {
   using Strain = StrainLanes<Scalar>;
   using Extremes = DeformationExtremesLanes<Scalar>;
 
-  void set_rest_state(const TetMesh<Scalar, Element>& mesh, Index e) {
+  COROTET_COLD void set_rest_state(const TetMesh<Scalar, Element>& mesh, Index e) {
     Batch& batch = batches_[at(e / lane_count<Scalar>)];
     const int l = e % lane_count<Scalar>;
     const bool exists = e < elements_;

@@ -5,6 +5,7 @@
 #include <concepts>
 #include <corotet/assembly/block_pattern.hpp>
 #include <corotet/core/buffer.hpp>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/jacobian.hpp>
 #include <corotet/element/reference_element.hpp>
@@ -28,7 +29,8 @@ template <std::floating_point Scalar>
 class Mass {
  public:
   template <ReferenceElement Element>
-  Mass(const TetMesh<Scalar, Element>& mesh, const Materials& materials, MassModel model, const BlockPattern& pattern)
+  COROTET_COLD Mass(const TetMesh<Scalar, Element>& mesh, const Materials& materials, MassModel model,
+                    const BlockPattern& pattern)
       : model_(model), row_sum_(at(mesh.vertex_count()), Scalar(0)) {
     constexpr std::size_t n = Element::nodes;
     detail::Buffer<double> factor(model == MassModel::lumped ? row_sum_.size() : at(pattern.blocks()), 0.0);
@@ -95,8 +97,8 @@ class Mass {
   };
 
   template <ReferenceElement Element>
-  static ElementMass<std::size_t{Element::nodes}> element_mass(const TetMesh<Scalar, Element>& mesh, Index e,
-                                                               double density) {
+  COROTET_COLD static ElementMass<std::size_t{Element::nodes}> element_mass(const TetMesh<Scalar, Element>& mesh,
+                                                                            Index e, double density) {
     ElementMass<std::size_t{Element::nodes}> m;
     for (const QuadraturePoint& point : Element::mass_points) {
       const auto shape = Element::shape(point.xi);

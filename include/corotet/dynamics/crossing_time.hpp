@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/element_batch.hpp>
 #include <corotet/element/jacobian.hpp>
@@ -18,7 +19,7 @@ namespace corotet::inline v0_1 {
 /// 4 V / A of the rest shape, m: the side of a long square bar, twice the thickness of a plate. A is the sum of the
 /// vertices' area vectors' lengths, |sum V grad N| each: somewhat too small at edges.
 template <std::floating_point Scalar, ReferenceElement Element>
-[[nodiscard]] double thickness(const TetMesh<Scalar, Element>& mesh) {
+[[nodiscard]] COROTET_COLD double thickness(const TetMesh<Scalar, Element>& mesh) {
   Field<double> area(at(mesh.vertex_count()), Vec3<double>::Zero());
   double volume = 0, surface = 0;
   for (Index e = 0; e < mesh.element_count(); ++e)

@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <corotet/core/assert.hpp>
-#include <corotet/core/exactly.hpp>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/contraction.hpp>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/energy_balance.hpp>
@@ -32,7 +33,7 @@ class ImplicitStep {
   using Scalar = typename Body::scalar_type;
 
   /// Symbolic work and memory.
-  ImplicitStep(const Body& body, Solver solver, const NewtonOptions& newton)
+  COROTET_COLD ImplicitStep(const Body& body, Solver solver, const NewtonOptions& newton)
       : options_(newton),
         solver_(std::move(solver)),
         equation_(body, newton.tangent),

@@ -6,6 +6,7 @@
 #include <corotet/assembly/block_pattern.hpp>
 #include <corotet/assembly/elasticity.hpp>
 #include <corotet/assembly/mass.hpp>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/instances.hpp>
 #include <corotet/core/message.hpp>
 #include <corotet/core/result.hpp>
@@ -42,7 +43,8 @@ class SoftBody {
 
   /// A body at rest in its rest shape, free of pins, gravity and forces.
   /// Errors: invalid_argument for a material (see Materials::check) or negative damping.
-  [[nodiscard]] static Result<SoftBody> create(Mesh mesh, const Materials& materials, const BodyOptions& options = {});
+  [[nodiscard]] COROTET_COLD static Result<SoftBody> create(Mesh mesh, const Materials& materials,
+                                                            const BodyOptions& options = {});
 
   [[nodiscard]] const Mesh& mesh() const { return mesh_; }
   [[nodiscard]] const Law& law() const { return law_; }
@@ -59,8 +61,8 @@ class SoftBody {
   [[nodiscard]] Vec3<Scalar> position(Index vertex) const { return mesh_.position(vertex) + displacement_[at(vertex)]; }
 
   /// Replaces the state. Errors: invalid_argument (length), non_finite_value (names the vertex); nothing changes then.
-  Result<void> set_displacements(std::span<const Vec3<Scalar>> displacement);
-  Result<void> set_velocities(std::span<const Vec3<Scalar>> velocity);
+  COROTET_COLD Result<void> set_displacements(std::span<const Vec3<Scalar>> displacement);
+  COROTET_COLD Result<void> set_velocities(std::span<const Vec3<Scalar>> velocity);
 
   /// Vertices held in place or led along a path.
   [[nodiscard]] Pins<Scalar>& pins() { return pins_; }
@@ -94,7 +96,7 @@ class SoftBody {
   [[nodiscard]] std::span<const Vec3<Scalar>> external_forces() const { return external_force_; }
 
   /// New materials. The mass follows. Errors as for `create`; nothing changes then.
-  Result<void> set_materials(const Materials& materials);
+  COROTET_COLD Result<void> set_materials(const Materials& materials);
 
   /// How long sound takes through the body where it is thin, s: see thickness.
   [[nodiscard]] double crossing_time() const { return crossing_time_; }
@@ -114,9 +116,9 @@ class SoftBody {
   void swap_state(Field<Scalar>& displacement, Field<Scalar>& velocity);
 
  private:
-  SoftBody(Mesh mesh, const Materials& materials, const BodyOptions& options);
+  COROTET_COLD SoftBody(Mesh mesh, const Materials& materials, const BodyOptions& options);
 
-  [[nodiscard]] Result<void> check_field(const char* name, std::span<const Vec3<Scalar>> field) const;
+  [[nodiscard]] COROTET_COLD Result<void> check_field(const char* name, std::span<const Vec3<Scalar>> field) const;
 
   Mesh mesh_;
   Law law_;

@@ -6,6 +6,7 @@
 #include <corotet/assembly/add_twist.hpp>
 #include <corotet/assembly/assemble.hpp>
 #include <corotet/assembly/block_matrix.hpp>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/revision.hpp>
@@ -46,7 +47,7 @@ class StepEquation {
   using Scalar = typename Body::scalar_type;
 
   /// Memory.
-  StepEquation(const Body& body, Tangent tangent)
+  COROTET_COLD StepEquation(const Body& body, Tangent tangent)
       : evaluation_(body.law(), tangent),
         matrix_(body.pattern()),
         right_side_(at(body.vertex_count()), Vec3<Scalar>::Zero()),

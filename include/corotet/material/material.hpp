@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/message.hpp>
 #include <corotet/core/result.hpp>
 #include <limits>
@@ -30,7 +31,7 @@ struct Lame {
 }
 
 /// invalid_argument, naming `where` and the parameter, if one lies outside its range or is not finite.
-[[nodiscard]] inline Result<void> validate(const Material& m, const std::string& where = "material") {
+[[nodiscard]] COROTET_COLD inline Result<void> validate(const Material& m, const std::string& where = "material") {
   const auto refuse = [&](const char* name, double value, const char* range) {
     return detail::error(ErrorCode::invalid_argument, {where, ".", name}, {"must be ", range, ", is ", value});
   };
@@ -55,7 +56,7 @@ class Materials {
   /// invalid_argument if there is neither one material nor one for each of `elements`, or if one of them is invalid, or
   /// its Lamé parameters or its density lie outside the range of Scalar.
   template <std::floating_point Scalar>
-  [[nodiscard]] Result<void> validate(std::size_t elements) const {
+  [[nodiscard]] COROTET_COLD Result<void> validate(std::size_t elements) const {
     if (materials_.size() != 1 && materials_.size() != elements)
       return detail::error(
           ErrorCode::invalid_argument, {"materials"},

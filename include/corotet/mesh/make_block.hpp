@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/message.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
@@ -31,7 +32,7 @@ struct BlockOptions {
 
 /// The mesh of a box. Vertices are numbered along x first, then y, then z (mid-edge vertices of order 2 follow).
 /// Errors: invalid_argument for a size, cell count or order outside its range.
-[[nodiscard]] inline Result<MeshData> make_block(const BlockOptions& options) {
+[[nodiscard]] COROTET_COLD inline Result<MeshData> make_block(const BlockOptions& options) {
   const auto [nx, ny, nz] = options.cells;
   if (nx < 1 || ny < 1 || nz < 1)
     return detail::error(ErrorCode::invalid_argument, {"cells"}, {"must be at least 1 along each axis"});

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/reference_element.hpp>
 #include <corotet/mesh/mesh_data.hpp>
@@ -15,7 +16,7 @@ namespace corotet::inline v0_1 {
 /// The same straight-sided mesh with a vertex added in the middle of each edge. Corner vertices keep their indices; the
 /// new ones follow, ordered by their edges. Indices must be in range (TetMesh::create checks). A 10-node mesh is
 /// returned as it is.
-[[nodiscard]] inline MeshData raise_order(MeshData mesh) {
+[[nodiscard]] COROTET_COLD inline MeshData raise_order(MeshData mesh) {
   if (mesh.nodes_per_element != 4) return mesh;
   struct EdgeUse {
     std::pair<Index, Index> ends;
@@ -45,7 +46,7 @@ namespace corotet::inline v0_1 {
 
 /// Drops the vertices that no element uses and renumbers the rest in order; says so in `notes`. Indices out of range
 /// are left for TetMesh::create to report.
-[[nodiscard]] inline MeshData remove_unreferenced(MeshData mesh) {
+[[nodiscard]] COROTET_COLD inline MeshData remove_unreferenced(MeshData mesh) {
   constexpr Index unused = -1;
   std::vector<Index> renumbered(mesh.positions.size(), unused);
   const auto in_range = [&](Index v) { return v >= 0 && v < mesh.vertex_count(); };
@@ -68,7 +69,7 @@ namespace corotet::inline v0_1 {
 }
 
 /// The same mesh without its mid-edge vertices: curved edges become straight. A 4-node mesh is returned as it is.
-[[nodiscard]] inline MeshData lower_order(MeshData mesh) {
+[[nodiscard]] COROTET_COLD inline MeshData lower_order(MeshData mesh) {
   if (mesh.nodes_per_element != 10) return mesh;
   std::vector<Index> corners;
   corners.reserve(mesh.connectivity.size() / 10 * 4);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/instances.hpp>
 #include <corotet/core/message.hpp>
 #include <corotet/core/result.hpp>
@@ -33,7 +34,8 @@ class TetMesh {
   /// Errors: empty_mesh, invalid_argument (wrong nodes_per_element: see raise_order and lower_order; array lengths),
   /// index_out_of_range, duplicate_node, unreferenced_vertex (see remove_unreferenced), non_finite_value,
   /// degenerate_element, unsupported (too large for 32-bit indices); each names the element or vertex.
-  [[nodiscard]] static Result<TetMesh> create(MeshData data, const Vec3<double>& origin = Vec3<double>::Zero());
+  [[nodiscard]] COROTET_COLD static Result<TetMesh> create(MeshData data,
+                                                           const Vec3<double>& origin = Vec3<double>::Zero());
 
   [[nodiscard]] Index vertex_count() const { return size_of(positions_); }
   [[nodiscard]] Index element_count() const { return size_of(elements_); }
@@ -63,7 +65,7 @@ class TetMesh {
   [[nodiscard]] Index flipped_elements() const { return flipped_elements_; }
 
   /// The mesh as unchecked data in double, in the coordinates given to `create`: for writers and converters.
-  [[nodiscard]] MeshData data() const;
+  [[nodiscard]] COROTET_COLD MeshData data() const;
 
  private:
   TetMesh() = default;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/message.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
@@ -17,9 +18,8 @@
 
 namespace corotet::inline v0_1::detail {
 
-
 /// Lengths, index range, repeated nodes, vertices without an element.
-inline Result<void> check_arrays(const MeshData& data, int nodes_per_element) {
+COROTET_COLD inline Result<void> check_arrays(const MeshData& data, int nodes_per_element) {
   if (data.positions.empty()) return error(ErrorCode::empty_mesh, {"mesh"}, {"it has no vertices"});
   if (data.connectivity.empty()) return error(ErrorCode::empty_mesh, {"mesh"}, {"it has no elements"});
   // A body counts 3 degrees of freedom a vertex and nodes^2 contributions an element by Index.
@@ -74,8 +74,8 @@ void turn_round(std::array<Index, N>& nodes) {
 
 /// Positive Jacobian at each quadrature point, measured against rounding in positions of precision `epsilon`.
 template <ReferenceElement Element>
-Result<void> check_volume(const std::vector<Vec3<double>>& x, const std::array<Index, Element::nodes>& nodes, Index e,
-                          double epsilon) {
+COROTET_COLD Result<void> check_volume(const std::vector<Vec3<double>>& x,
+                                       const std::array<Index, Element::nodes>& nodes, Index e, double epsilon) {
   // Rounding moves each vertex by epsilon times its distance from the origin, and with it the determinant.
   double largest = 0;
   for (const Index v : nodes) largest = (std::max)(largest, x[at(v)].cwiseAbs().maxCoeff());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/exactly.hpp>
 #include <corotet/core/types.hpp>
 #include <cstddef>
@@ -26,7 +27,7 @@ struct Aggregates {
 
   /// Halves the box across its longest side until there are `count` parts, 1 <= count <= position.size().
   template <std::floating_point Scalar>
-  [[nodiscard]] static Aggregates of_positions(const Field<Scalar>& position, Index count) {
+  [[nodiscard]] COROTET_COLD static Aggregates of_positions(const Field<Scalar>& position, Index count) {
     Aggregates parts;
     parts.member.resize(position.size());
     std::iota(parts.member.begin(), parts.member.end(), 0);
@@ -38,7 +39,7 @@ struct Aggregates {
 
  private:
   template <std::floating_point Scalar>
-  void divide(const Field<Scalar>& position, Index begin, Index end, Index count) {
+  COROTET_COLD void divide(const Field<Scalar>& position, Index begin, Index end, Index count) {
     const auto first = member.begin() + begin, last = member.begin() + end;
     if (count <= 1) {
       std::sort(first, last);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <corotet/assembly/block_matrix.hpp>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/deep_pointer.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/instances.hpp>
@@ -63,7 +64,7 @@ class AutoSolver {
   explicit AutoSolver(const Options& options) : options_(options) {}
 
   /// Symbolic work and memory for matrices on this pattern.
-  void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest);
+  COROTET_COLD void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest);
 
   /// Solves to `options().tolerance`: an error in the energy norm as Pcg knows it, or a Euclidean residual (Cholesky,
   /// refined where one substitution is not enough).
@@ -85,12 +86,13 @@ class AutoSolver {
     return parts_->pcg.solve(system, preconditioner, x, {options_.tolerance, options_.max_iterations}, executor);
   }
 
-  SolveReport solve_directly(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor);
+  COROTET_COLD SolveReport solve_directly(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor);
 
   /// Whether the factor of the whole body would have been cheaper than solves of so many iterations.
-  void compare(std::optional<double> iterations);
+  COROTET_COLD void compare(std::optional<double> iterations);
 
-  void choose_preconditioner(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest);
+  COROTET_COLD void choose_preconditioner(const std::shared_ptr<const BlockPattern>& pattern,
+                                          const Field<Scalar>& rest);
 
   // The factor of a larger body takes many times the memory of its matrix, and rarely pays.
   static constexpr Index most_vertices_of_a_small_body = 2000;

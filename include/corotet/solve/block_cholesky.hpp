@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/buffer.hpp>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/block_factor.hpp>
 #include <corotet/solve/small_cholesky.hpp>
@@ -22,7 +23,7 @@ class BlockCholesky {
   using Block = Matrix<Scalar, B, B>;
 
   /// Ordering, elimination tree and pattern of L. O(|L|) memory for the blocks of L comes with `allocate()`.
-  void analyze(const BlockPattern& pattern) {
+  COROTET_COLD void analyze(const BlockPattern& pattern) {
     symbolic_ = SymbolicFactor(pattern);
     factor_.order = symbolic_.order;
     factor_.column_start = symbolic_.column_start;
@@ -38,7 +39,7 @@ class BlockCholesky {
   [[nodiscard]] double factor_flops() const { return 1.0 * B * B * B * symbolic_.squares; }
 
   /// Reserves the factor; after `analyze`, before `factorize`.
-  void allocate() {
+  COROTET_COLD void allocate() {
     const std::size_t n = factor_.order.size();
     factor_.row.assign(symbolic_.blocks, 0);
     factor_.allocate();

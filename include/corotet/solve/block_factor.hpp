@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <corotet/core/buffer.hpp>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
 #include <cstddef>
@@ -29,7 +30,7 @@ class BlockFactor {
   [[nodiscard]] Block block(Index p) const { return Block::load(values(p)); }
 
   /// Memory for the blocks of a pattern that is there.
-  void allocate() {
+  COROTET_COLD void allocate() {
     value_.assign(block_size * row.size() + width, Scalar(0));
     work_.assign(at(rows()) * width, Scalar(0));
   }

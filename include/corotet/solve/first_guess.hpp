@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
@@ -22,7 +23,7 @@ class FirstGuess {
   static constexpr std::size_t depth = 2;
 
   FirstGuess() = default;
-  explicit FirstGuess(Index vertices) : sums_(vertices) {
+  COROTET_COLD explicit FirstGuess(Index vertices) : sums_(vertices) {
     for (std::size_t k = 0; k < depth; ++k) product_[k] = last_[k] = PaddedField<Scalar>(at(vertices));
   }
 

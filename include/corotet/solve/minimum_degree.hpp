@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <corotet/assembly/block_pattern.hpp>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/types.hpp>
 #include <cstddef>
 #include <cstdint>
@@ -19,13 +20,13 @@ namespace corotet::inline v0_1 {
 class MinimumDegree {
  public:
   /// Entry k is the row to eliminate as k-th.
-  [[nodiscard]] static std::vector<Index> order(const BlockPattern& pattern) {
+  [[nodiscard]] COROTET_COLD static std::vector<Index> order(const BlockPattern& pattern) {
     MinimumDegree graph(pattern);
     return graph.eliminate();
   }
 
  private:
-  explicit MinimumDegree(const BlockPattern& pattern)
+  COROTET_COLD explicit MinimumDegree(const BlockPattern& pattern)
       : count_(pattern.rows()),
         neighbours_(at(count_)),
         elements_(at(count_)),

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/first_guess.hpp>
@@ -57,7 +58,8 @@ template <std::floating_point Scalar>
 class Pcg {
  public:
   Pcg() = default;
-  explicit Pcg(Index vertices) : x_(at(vertices)), r_(x_), z_(x_), p_(x_), q_(x_), guess_(vertices), sum_(vertices) {}
+  COROTET_COLD explicit Pcg(Index vertices)
+      : x_(at(vertices)), r_(x_), z_(x_), p_(x_), q_(x_), guess_(vertices), sum_(vertices) {}
 
   /// Sets x to the solution. The residual that is reported is that of the x returned, measured; where rounding has made
   /// it larger than the iteration believed, the iteration starts again from x, as long as that helps.

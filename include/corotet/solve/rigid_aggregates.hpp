@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/buffer.hpp>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
@@ -52,7 +53,7 @@ class RigidAggregates {
 
   RigidAggregates() = default;
 
-  void analyze(const BlockPattern& pattern, const Field<Scalar>& rest, Sizes sizes) {
+  COROTET_COLD void analyze(const BlockPattern& pattern, const Field<Scalar>& rest, Sizes sizes) {
     body_ = RigidParts<Scalar>(rest, sizes.parts, sizes.groups);
     smoother_ = BlockJacobi<Scalar>(pattern);
     const auto coarse_pattern = std::make_shared<const BlockPattern>(coarse_pattern_of(pattern));
@@ -101,7 +102,7 @@ class RigidAggregates {
  private:
   using Block6 = Matrix<Scalar, 6, 6>;
 
-  [[nodiscard]] BlockPattern coarse_pattern_of(const BlockPattern& fine) const {
+  [[nodiscard]] COROTET_COLD BlockPattern coarse_pattern_of(const BlockPattern& fine) const {
     BlockPattern p;
     p.row_start.assign(1, 0);
     std::vector<Index> row;

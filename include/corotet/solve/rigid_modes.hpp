@@ -5,6 +5,7 @@
 #include <cmath>
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/buffer.hpp>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/types.hpp>
 
 namespace corotet::inline v0_1 {
@@ -29,7 +30,7 @@ struct RigidFrames {
   /// what is free of it lies on a line.
   detail::Buffer<Scalar> inverse_size;
 
-  explicit RigidFrames(Index parts = 0)
+  COROTET_COLD explicit RigidFrames(Index parts = 0)
       : rest_center(at(parts), Vec3<Scalar>::Zero()),
         center(rest_center),
         rotation(at(parts), Mat3<Scalar>::Identity()),
@@ -51,7 +52,7 @@ struct RigidFrames {
   }
 
   /// `inverse_size` from the rest offsets of free points: their number and their second moment S = sum X X^T, m^2.
-  void set_size(Index part, Index free_points, const Mat3<double>& second_moment) {
+  COROTET_COLD void set_size(Index part, Index free_points, const Mat3<double>& second_moment) {
     // On a line S has one eigenvalue, and |S| is its trace; otherwise |S| <= (1 - e) trace, e the share of the others.
     const double trace = second_moment.trace();
     const bool turns = free_points >= 3 && second_moment.norm() < 0.999 * trace;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <corotet/core/buffer.hpp>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
@@ -29,7 +30,7 @@ struct RigidParts {
   detail::Buffer<std::uint8_t> moves;  ///< 0: pinned
 
   RigidParts() = default;
-  RigidParts(const Field<Scalar>& rest_positions, Index part_count, Index group_count)
+  COROTET_COLD RigidParts(const Field<Scalar>& rest_positions, Index part_count, Index group_count)
       : rest(rest_positions),
         parts(Aggregates::of_positions(rest, std::clamp<Index>(part_count, 1, size_of(rest)))),
         coupled(group_count == 0),
@@ -61,7 +62,7 @@ struct RigidParts {
   }
 
   /// Says which vertices do not move; after that, which parts can turn, and how large they are, from the others.
-  void pin(std::span<const Index> pinned) {
+  COROTET_COLD void pin(std::span<const Index> pinned) {
     std::fill(moves.begin(), moves.end(), std::uint8_t{1});
     for (const Index v : pinned) moves[at(v)] = 0;
     set_sizes();
@@ -111,7 +112,7 @@ struct RigidParts {
 
  private:
   /// Each part alone: with parts coupled directly, groups and parts are the same.
-  [[nodiscard]] Aggregates single_groups() const {
+  [[nodiscard]] COROTET_COLD Aggregates single_groups() const {
     Aggregates each;
     for (Index a = 0; a <= parts.count(); ++a) each.start.push_back(a);
     for (Index a = 0; a < parts.count(); ++a) each.member.push_back(a);
@@ -119,7 +120,7 @@ struct RigidParts {
     return each;
   }
 
-  void set_rest_centers() {
+  COROTET_COLD void set_rest_centers() {
     for (Index part = 0; part < parts.count(); ++part) {
       Vec3<double> sum = Vec3<double>::Zero();
       for (const Index v : vertices_of(part)) sum += rest[at(v)].template cast<double>();
@@ -133,7 +134,7 @@ struct RigidParts {
   }
 
   /// Which parts can turn, and how large they are, from the vertices that are free.
-  void set_sizes() {
+  COROTET_COLD void set_sizes() {
     const auto set = [&](RigidFrames<Scalar>& frames, Index count, auto&& for_vertices) {
       for (Index a = 0; a < count; ++a) {
         Index free = 0;

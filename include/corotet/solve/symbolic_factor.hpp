@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <corotet/assembly/block_pattern.hpp>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/minimum_degree.hpp>
 #include <cstddef>
@@ -31,7 +32,8 @@ struct SymbolicFactor {
   SymbolicFactor() = default;
   explicit SymbolicFactor(const BlockPattern& pattern) : SymbolicFactor(pattern, MinimumDegree::order(pattern)) {}
   /// With a permutation of the rows as the order.
-  SymbolicFactor(const BlockPattern& pattern, std::vector<Index> elimination) : order(std::move(elimination)) {
+  COROTET_COLD SymbolicFactor(const BlockPattern& pattern, std::vector<Index> elimination)
+      : order(std::move(elimination)) {
     find_upper(pattern);
     find_tree(pattern.rows());
     count_columns(pattern.rows());
@@ -41,7 +43,7 @@ struct SymbolicFactor {
   [[nodiscard]] bool fits() const { return blocks <= std::size_t{(std::numeric_limits<Index>::max)()}; }
 
  private:
-  void find_upper(const BlockPattern& pattern) {
+  COROTET_COLD void find_upper(const BlockPattern& pattern) {
     std::vector<Index> place(order.size());
     for (std::size_t k = 0; k < order.size(); ++k) place[at(order[k])] = static_cast<Index>(k);
     upper_start.assign(1, 0);
@@ -53,7 +55,7 @@ struct SymbolicFactor {
     }
   }
 
-  void find_tree(Index n) {
+  COROTET_COLD void find_tree(Index n) {
     parent.assign(at(n), -1);
     std::vector<Index> ancestor(at(n), -1);
     for (Index k = 0; k < n; ++k)
@@ -67,7 +69,7 @@ struct SymbolicFactor {
   }
 
   /// Walks the row subtrees; the time is that of writing down the pattern of L once.
-  void count_columns(Index n) {
+  COROTET_COLD void count_columns(Index n) {
     std::vector<Index> count(at(n), 1), mark(at(n), -1);
     for (Index k = 0; k < n; ++k) {
       mark[at(k)] = k;

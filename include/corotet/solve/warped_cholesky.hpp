@@ -4,6 +4,7 @@
 #include <array>
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/buffer.hpp>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
@@ -32,7 +33,7 @@ class WarpedCholesky {
   WarpedCholesky() = default;
 
   /// Ordering and pattern of the factor; `allocate` must follow before use.
-  void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest) {
+  COROTET_COLD void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest) {
     pattern_ = pattern;
     rest_ = PaddedField<Scalar>(rest.size());
     for (std::size_t v = 0; v < rest.size(); ++v) rest_[v].set(rest[v]);
@@ -42,7 +43,7 @@ class WarpedCholesky {
   [[nodiscard]] std::size_t factor_blocks() const { return cholesky_.factor_blocks(); }
   [[nodiscard]] double factor_flops() const { return cholesky_.factor_flops(); }
 
-  void allocate() {
+  COROTET_COLD void allocate() {
     cholesky_.allocate();
     unturned_ = BlockMatrix<double>(pattern_);
     factor_.assign(cholesky_.factor());
