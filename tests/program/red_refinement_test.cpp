@@ -9,6 +9,7 @@
 
 #include "report/red_refinement.hpp"
 
+namespace red_refinement_test {
 namespace {
 
 using namespace corotet;
@@ -46,3 +47,4 @@ TEST(RedRefinement, SplitsEachElementInEightOfTheSameVolume) {
 }
 
 }  // namespace
+}  // namespace red_refinement_test

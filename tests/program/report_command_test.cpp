@@ -8,6 +8,7 @@
 
 #include "program_runner.hpp"
 
+namespace report_command_test {
 namespace {
 
 using corotet::testing::Outcome;
@@ -149,3 +150,4 @@ TEST_F(ReportCommand, SaysWhatItCannotDo) {
 }
 
 }  // namespace
+}  // namespace report_command_test

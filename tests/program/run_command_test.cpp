@@ -6,6 +6,7 @@
 
 #include "program_runner.hpp"
 
+namespace run_command_test {
 namespace {
 
 using corotet::testing::Outcome;
@@ -335,3 +336,4 @@ TEST_F(RunCommand, TheSceneOfTheDemoRuns) {
 }
 
 }  // namespace
+}  // namespace run_command_test

@@ -4,6 +4,7 @@
 
 #include "program_runner.hpp"
 
+namespace scene_errors_test {
 namespace {
 
 using corotet::testing::Outcome;
@@ -272,3 +273,4 @@ TEST_F(SceneErrors, OfTheCommandLine) {
 }
 
 }  // namespace
+}  // namespace scene_errors_test

@@ -3,6 +3,7 @@
 
 #include "program_runner.hpp"
 
+namespace stress_command_test {
 namespace {
 
 using corotet::testing::Outcome;
@@ -44,3 +45,4 @@ TEST_F(StressCommand, ListsItsCasesAndNamesWhatItDoesNotKnow) {
 }
 
 }  // namespace
+}  // namespace stress_command_test

@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+namespace thread_pool_test {
 namespace {
 
 using corotet::at;
@@ -57,3 +58,4 @@ TEST(ThreadPool, TakesConstAndNonConstCallables) {
 }
 
 }  // namespace
+}  // namespace thread_pool_test

@@ -6,6 +6,7 @@
 
 #include "program_runner.hpp"
 
+namespace tune_command_test {
 namespace {
 
 using corotet::testing::Outcome;
@@ -84,3 +85,4 @@ TEST_F(TuneCommand, SaysWhatItCannotDo) {
 }
 
 }  // namespace
+}  // namespace tune_command_test

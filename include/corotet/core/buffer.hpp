@@ -20,7 +20,14 @@ class RawBuffer {
   }
   RawBuffer(RawBuffer&& other) noexcept
       : data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)) {}
-  RawBuffer& operator=(RawBuffer other) noexcept {
+  /// Allocates only where the sizes differ.
+  RawBuffer& operator=(const RawBuffer& other) {
+    if (this == &other) return *this;
+    if (size_ != other.size_) return *this = RawBuffer(other);
+    if (size_ > 0) std::memcpy(data_, other.data_, size_);
+    return *this;
+  }
+  RawBuffer& operator=(RawBuffer&& other) noexcept {
     std::swap(data_, other.data_);
     std::swap(size_, other.size_);
     return *this;
@@ -55,8 +62,13 @@ class Buffer {
     for (std::size_t i = 0; i < count; ++i) ::new (static_cast<void*>(data() + i)) T(value);
   }
 
-  /// Replaces all entries.
-  void assign(std::size_t count, const T& value) { *this = Buffer(count, value); }
+  /// Replaces all entries; allocates only where there were more or fewer.
+  void assign(std::size_t count, const T& value) {
+    if (count != size())
+      *this = Buffer(count, value);
+    else
+      for (T& entry : *this) entry = value;
+  }
 
   [[nodiscard]] std::size_t size() const { return bytes_.size() / sizeof(T); }
   [[nodiscard]] bool empty() const { return bytes_.size() == 0; }

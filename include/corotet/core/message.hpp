@@ -17,8 +17,8 @@ struct MessagePart {
   MessagePart(const char* words) : text(words) {}         // NOLINT(google-explicit-constructor)
   MessagePart(std::string_view words) : text(words) {}    // NOLINT(google-explicit-constructor)
   MessagePart(const std::string& words) : text(words) {}  // NOLINT(google-explicit-constructor)
-  template <std::integral I>
-  MessagePart(I value)
+  template <std::integral Integer>
+  MessagePart(Integer value)
       : integer(static_cast<long long>(value)), kind(Kind::integer) {}  // NOLINT(google-explicit-constructor)
   MessagePart(double value) : real(value), kind(Kind::real) {}          // NOLINT(google-explicit-constructor)
 
