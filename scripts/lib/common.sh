@@ -111,7 +111,12 @@ default_gpl() { if command -v apt-get >/dev/null; then echo ON; else echo OFF; f
 configure() {
   local preset=$1
   shift
-  (cd "$root" && cmake --preset "$preset" "$@")
+  local launcher=()
+  if command -v ccache >/dev/null; then
+    export CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
+    launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+  fi
+  (cd "$root" && cmake --preset "$preset" "${launcher[@]}" "$@")
 }
 
 # Builds build/PRESET; lists the files only where someone watches.

@@ -47,14 +47,14 @@ void add_mean_dilatation(const BlockPattern& p, const typename Law::Evaluation& 
   }
 }
 
-/// As `assemble`, for elements of one Lamé ratio or of several, with mean dilatation or without.
-template <bool same_ratio, bool mean_dilatation, std::floating_point Scalar, class Law>
+/// As `assemble`, for elements of one Lamé ratio or of several.
+template <bool same_ratio, std::floating_point Scalar, class Law>
 void assemble_blocks(const Law& law, const typename Law::Evaluation& state, const Mass<Scalar>& mass,
                      Scalar mass_factor, Scalar stiffness_factor, BlockMatrix<Scalar>& matrix, ExecutorRef executor) {
   constexpr std::size_t n = Law::nodes;
   constexpr Index grain = 8 * BlockMatrix<Scalar>::row_grain;
   const BlockPattern& p = matrix.pattern();
-  const bool consistent = mass.model() == MassModel::consistent;
+  const bool consistent = mass.model() == MassModel::consistent, mean_dilatation = law.mean_dilatation().on();
   for_ranges(executor, size_of(p.upper), grain, [&](Index begin, Index end) {
     for (Index u = begin; u < end; ++u) {
       StiffnessSum<Scalar, same_ratio> sum;
@@ -63,7 +63,7 @@ void assemble_blocks(const Law& law, const typename Law::Evaluation& state, cons
         sum.add(state, row, row / n * n + code % n);
       }
       if constexpr (same_ratio) sum.set_ratio(*law.common_lame_ratio());
-      if constexpr (mean_dilatation) add_mean_dilatation<Scalar, same_ratio, Law>(p, state, at(u), sum);
+      if (mean_dilatation) add_mean_dilatation<Scalar, same_ratio, Law>(p, state, at(u), sum);
       const auto [slot, mirror] = p.upper[at(u)];
       sum.write(stiffness_factor, matrix.values(slot), matrix.values(mirror));
       const Index row = p.column[at(mirror)];
@@ -80,18 +80,10 @@ void assemble_blocks(const Law& law, const typename Law::Evaluation& state, cons
 template <std::floating_point Scalar, class Law>
 void assemble(const Law& law, const typename Law::Evaluation& state, const Mass<Scalar>& mass, Scalar mass_factor,
               Scalar stiffness_factor, BlockMatrix<Scalar>& matrix, ExecutorRef executor) {
-  const auto run = [&]<bool same_ratio, bool mean>() {
-    detail::assemble_blocks<same_ratio, mean>(law, state, mass, mass_factor, stiffness_factor, matrix, executor);
-  };
-  const bool same_ratio = law.common_lame_ratio().has_value(), mean = law.mean_dilatation().on();
-  if (same_ratio && mean)
-    run.template operator()<true, true>();
-  else if (same_ratio)
-    run.template operator()<true, false>();
-  else if (mean)
-    run.template operator()<false, true>();
+  if (law.common_lame_ratio().has_value())
+    detail::assemble_blocks<true>(law, state, mass, mass_factor, stiffness_factor, matrix, executor);
   else
-    run.template operator()<false, false>();
+    detail::assemble_blocks<false>(law, state, mass, mass_factor, stiffness_factor, matrix, executor);
 }
 
 }  // namespace corotet::inline v0_1

@@ -39,6 +39,12 @@ struct Matrix {
 
   /// Holds no numbers yet.
   Matrix() = default;
+  Matrix(const Matrix&) = default;
+  Matrix(Matrix&&) = default;
+  // Not to a temporary: `m.col(0) = v` would be lost.
+  Matrix& operator=(const Matrix&) & = default;
+  Matrix& operator=(Matrix&&) & = default;
+  ~Matrix() = default;
   constexpr Matrix(T x, T y)
     requires(R* C == 2)
       : value_{x, y} {}
@@ -49,7 +55,7 @@ struct Matrix {
     requires(R* C == 4)
       : value_{x, y, z, w} {}
   template <class E>
-    requires detail::EigenMatrix<E, R, C>
+    requires detail::EigenMatrix<E, R, C> && std::same_as<typename E::Scalar, T>
   Matrix(const E& e) {  // NOLINT(google-explicit-constructor): the same numbers
     const auto& numbers = e.derived().eval();
     for (int c = 0; c < C; ++c)
@@ -125,32 +131,31 @@ struct Matrix {
   [[nodiscard]] constexpr T* begin() { return value_; }
   [[nodiscard]] constexpr T* end() { return value_ + R * C; }
 
-  COROTET_ALWAYS_INLINE constexpr Matrix& operator+=(const Matrix& b) {
+  COROTET_ALWAYS_INLINE constexpr Matrix& operator+=(const Matrix& b) & {
     COROTET_UNROLL
     for (int i = 0; i < R * C; ++i) value_[i] += b.value_[i];
     return *this;
   }
-  COROTET_ALWAYS_INLINE constexpr Matrix& operator-=(const Matrix& b) {
+  COROTET_ALWAYS_INLINE constexpr Matrix& operator-=(const Matrix& b) & {
     COROTET_UNROLL
     for (int i = 0; i < R * C; ++i) value_[i] -= b.value_[i];
     return *this;
   }
-  COROTET_ALWAYS_INLINE constexpr Matrix& operator*=(T factor) {
+  COROTET_ALWAYS_INLINE constexpr Matrix& operator*=(T factor) & {
     COROTET_UNROLL
     for (int i = 0; i < R * C; ++i) value_[i] *= factor;
     return *this;
   }
-  COROTET_ALWAYS_INLINE constexpr Matrix& operator/=(T divisor) {
+  COROTET_ALWAYS_INLINE constexpr Matrix& operator/=(T divisor) & {
     COROTET_UNROLL
     for (int i = 0; i < R * C; ++i) value_[i] /= divisor;
     return *this;
   }
-  constexpr Matrix& operator*=(const Matrix& b)
-    requires(R == C && R > 1)
-  {
+  constexpr Matrix& operator*=(const Matrix& b) & requires(R == C && R > 1) {
     return *this = *this * b;
+  } friend COROTET_ALWAYS_INLINE constexpr Matrix operator+(Matrix a, const Matrix& b) {
+    return a += b;
   }
-  friend COROTET_ALWAYS_INLINE constexpr Matrix operator+(Matrix a, const Matrix& b) { return a += b; }
   friend COROTET_ALWAYS_INLINE constexpr Matrix operator-(Matrix a, const Matrix& b) { return a -= b; }
   friend COROTET_ALWAYS_INLINE constexpr Matrix operator-(Matrix a) { return a *= T(-1); }
   friend COROTET_ALWAYS_INLINE constexpr Matrix operator*(Matrix a, T factor) { return a *= factor; }
@@ -303,7 +308,7 @@ struct Matrix {
     // Across the axis that is farthest from it.
     int least = 0;
     for (int i = 1; i < 3; ++i)
-      if (std::abs(value_[i]) < std::abs(value_[least])) least = i;
+      if (std::fabs(value_[i]) < std::fabs(value_[least])) least = i;
     return cross(unit(least)).normalized();
   }
   [[nodiscard]] COROTET_ALWAYS_INLINE constexpr T determinant() const

@@ -249,7 +249,8 @@ class ImplicitStep {
   }
 
   /// displacement_ = xbar + c (velocity_ + fraction change_).
-  void try_move(const Body& body, const StepFormula<Scalar>& formula, Scalar fraction, ExecutorRef executor) {
+  COROTET_COLD void try_move(const Body& body, const StepFormula<Scalar>& formula, Scalar fraction,
+                             ExecutorRef executor) {
     for_ranges(executor, body.vertex_count(), RangeSum::grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i)
         displacement_[at(i)] = formula.position[at(i)] + formula.c * (velocity_[at(i)] + fraction * change_[at(i)]);
@@ -277,8 +278,8 @@ class ImplicitStep {
   /// The fraction of change_ that lowers the incremental energy |x - xtilde|^2_M / 2 c^2 + W(x) - f_ext . x + D's
   /// part; `elastic` is W before and after, J. The terms that are quadratic in v are taken as differences: those that
   /// grow with velocity and with the distance from rest cancel without rounding.
-  [[nodiscard]] double search_line(const Body& body, const StepFormula<Scalar>& formula, double decrement2,
-                                   double noise, double& elastic, ExecutorRef executor) {
+  [[nodiscard]] COROTET_COLD double search_line(const Body& body, const StepFormula<Scalar>& formula, double decrement2,
+                                                double noise, double& elastic, ExecutorRef executor) {
     const auto along = equation_.along(body, formula.c, change_, executor);
     const double before = elastic, slope = along.elastic - decrement2;
     return backtrack(-decrement2, noise, [&](double fraction) {

@@ -215,7 +215,7 @@ class StepEquation {
   }
 
   /// How far the rounding of positions goes in the energy norm of velocities, sqrt(J): no correction is worth less.
-  [[nodiscard]] double position_rounding(const Body& body, Scalar c, ExecutorRef executor) {
+  [[nodiscard]] COROTET_COLD double position_rounding(const Body& body, Scalar c, ExecutorRef executor) {
     const double sum = sums_(executor, [&](Index begin, Index end) {
       double part = 0;
       for (Index i = begin; i < end; ++i) {

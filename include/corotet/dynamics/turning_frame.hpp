@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <corotet/core/exactly.hpp>
 #include <corotet/core/elementary.hpp>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/rotation/polar_robust.hpp>
@@ -163,7 +163,8 @@ class TurningFrame {
 
   /// w of the angular momentum (tr(S) - S) w, rad/s, where S are the second moments, kg m^2. None about an axis on
   /// which all mass lies.
-  [[nodiscard]] static Vec3<double> angular_velocity(const Mat3<double>& second, const Vec3<double>& momentum) {
+  [[nodiscard]] COROTET_COLD static Vec3<double> angular_velocity(const Mat3<double>& second,
+                                                                  const Vec3<double>& momentum) {
     Matrix<double, 4, 4> inertia = Matrix<double, 4, 4>::Zero();  // the fourth axis has none
     inertia.set_block(0, 0, second.trace() * Mat3<double>::Identity() - (second + second.transpose()) / 2);
     const Matrix<double, 4, 4> axes = detail::diagonalise<double>(inertia);

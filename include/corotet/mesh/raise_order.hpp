@@ -18,26 +18,33 @@ namespace corotet::inline v0_1 {
 /// returned as it is.
 [[nodiscard]] COROTET_COLD inline MeshData raise_order(MeshData mesh) {
   if (mesh.nodes_per_element != 4) return mesh;
-  struct EdgeUse {
-    std::pair<Index, Index> ends;
-    std::size_t slot;  // where in the new connectivity the mid-edge vertex goes
-  };
   const auto elements = static_cast<std::size_t>(mesh.element_count());
   std::vector<Index> connectivity(elements * 10);
-  std::vector<EdgeUse> uses;
-  uses.reserve(elements * 6);
-  for (std::size_t e = 0; e < elements; ++e) {
+  // The uses of edges as lists, one for each vertex that is the lesser end: the other end, and where in the new
+  // connectivity the mid-edge vertex goes.
+  constexpr Index none = -1;
+  std::vector<Index> first(mesh.positions.size(), none), next, other, slot;
+  for (std::size_t e = elements; e-- > 0;) {
     const Index* corners = mesh.connectivity.data() + 4 * e;
-    std::copy_n(corners, 4, connectivity.begin() + static_cast<std::ptrdiff_t>(10 * e));
-    for (std::size_t k = 0; k < 6; ++k)
-      uses.push_back({std::minmax(corners[tet_edges[k].a], corners[tet_edges[k].b]), 10 * e + 4 + k});
+    for (std::size_t c = 0; c < 4; ++c) connectivity[10 * e + c] = corners[c];
+    for (std::size_t k = 6; k-- > 0;) {
+      const Index a = corners[tet_edges[k].a], b = corners[tet_edges[k].b];
+      next.push_back(std::exchange(first[at(a < b ? a : b)], size_of(next)));
+      other.push_back(a < b ? b : a);
+      slot.push_back(static_cast<Index>(10 * e + 4 + k));
+    }
   }
-  std::sort(uses.begin(), uses.end(),
-            [](const EdgeUse& p, const EdgeUse& q) { return p.ends != q.ends ? p.ends < q.ends : p.slot < q.slot; });
-  for (std::size_t i = 0; i < uses.size(); ++i) {
-    if (i == 0 || uses[i].ends != uses[i - 1].ends)
-      mesh.positions.push_back((mesh.positions[at(uses[i].ends.first)] + mesh.positions[at(uses[i].ends.second)]) / 2);
-    connectivity[uses[i].slot] = mesh.vertex_count() - 1;
+  std::vector<Index> ends;
+  for (Index v = 0; v < size_of(first); ++v) {
+    ends.clear();
+    for (Index use = first[at(v)]; use != none; use = next[at(use)]) ends.push_back(other[at(use)]);
+    std::sort(ends.begin(), ends.end());
+    ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+    const Index begin = mesh.vertex_count();
+    for (const Index end : ends) mesh.positions.push_back((mesh.positions[at(v)] + mesh.positions[at(end)]) / 2);
+    for (Index use = first[at(v)]; use != none; use = next[at(use)])
+      connectivity[at(slot[at(use)])] =
+          begin + static_cast<Index>(std::lower_bound(ends.begin(), ends.end(), other[at(use)]) - ends.begin());
   }
   mesh.connectivity = std::move(connectivity);
   mesh.nodes_per_element = 10;

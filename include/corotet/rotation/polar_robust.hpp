@@ -15,7 +15,7 @@ namespace detail {
 /// eigenvalues: cyclic Jacobi rotations (Golub & Van Loan 2013, section 8.5). Eigen's solver gives the same, but takes
 /// nine seconds to compile in every file that steps a body; the tests compare the two.
 template <std::floating_point Scalar>
-[[nodiscard]] Matrix<Scalar, 4, 4> diagonalise(Matrix<Scalar, 4, 4>& k) {
+[[nodiscard]] COROTET_COLD Matrix<Scalar, 4, 4> diagonalise(Matrix<Scalar, 4, 4>& k) {
   constexpr int most_sweeps = 16;  // quadratic convergence: four or five are enough
   const Scalar negligible = k.norm() * std::numeric_limits<Scalar>::epsilon() / 8;
   Matrix<Scalar, 4, 4> vectors = Matrix<Scalar, 4, 4>::Identity();
@@ -151,7 +151,7 @@ struct Choice {
 /// `unit` > 0, the size of F at rest, it prefers where the choice is not clear (clear_choice) those that turn less, and
 /// of half turns those about x to y to z.
 template <std::floating_point Scalar>
-[[nodiscard]] Mat3<Scalar> polar_robust(const Mat3<Scalar>& f, Scalar unit = 0) {
+[[nodiscard]] COROTET_COLD Mat3<Scalar> polar_robust(const Mat3<Scalar>& f, Scalar unit = 0) {
   const Scalar largest = f.cwiseAbs().maxCoeff();
   if (!(largest > 0) || !std::isfinite(largest) || !f.allFinite()) return Mat3<Scalar>::Identity();
   detail::Choice<Scalar> choice(f, largest, unit);
@@ -168,7 +168,7 @@ template <std::floating_point Scalar>
 /// nearest to another rotation: the eigenvectors of Davenport's matrix are those four. Where it is not clear which
 /// rotations these are (clear_choice), `other` decides with them; for F = 0 or a non-finite F it is `other` itself.
 template <std::floating_point Scalar>
-[[nodiscard]] Mat3<Scalar> polar_near(const Mat3<Scalar>& f, const Mat3<Scalar>& other, Scalar unit) {
+[[nodiscard]] COROTET_COLD Mat3<Scalar> polar_near(const Mat3<Scalar>& f, const Mat3<Scalar>& other, Scalar unit) {
   const Scalar largest = f.cwiseAbs().maxCoeff();
   if (!(largest > 0) || !std::isfinite(largest) || !f.allFinite()) return other;
   const Matrix<Scalar, 4, 1> q = quaternion_of<Scalar>(other);

@@ -22,7 +22,7 @@ template <std::floating_point Scalar>
 /// The unit quaternion (w, x, y, z) of a rotation; of q and -q, the one whose largest component is positive.
 /// (Shepperd 1978, "Quaternion from rotation matrix".)
 template <std::floating_point Scalar>
-[[nodiscard]] Matrix<Scalar, 4, 1> quaternion_of(const Mat3<Scalar>& r) {
+[[nodiscard]] COROTET_COLD Matrix<Scalar, 4, 1> quaternion_of(const Mat3<Scalar>& r) {
   const Scalar trace = r.trace();
   Matrix<Scalar, 4, 1> q(trace, r(0, 0), r(1, 1), r(2, 2));
   const int largest = q.index_of_max();
@@ -37,7 +37,7 @@ template <std::floating_point Scalar>
 }
 
 /// The rotation about the direction of `turn` by its length, rad.
-[[nodiscard]] inline Mat3<double> rotation_by(const Vec3<double>& turn) {
+[[nodiscard]] COROTET_COLD inline Mat3<double> rotation_by(const Vec3<double>& turn) {
   const double angle = turn.norm();
   if (!(angle > 0)) return Mat3<double>::Identity();
   const auto [sine, cosine] = detail::sine_and_cosine(angle / 2);

@@ -60,8 +60,12 @@ class AutoSolver {
  public:
   using Options = SolverOptions;
 
-  AutoSolver() = default;
-  explicit AutoSolver(const Options& options) : options_(options) {}
+  explicit AutoSolver(const Options& options = {});
+  AutoSolver(const AutoSolver&);
+  AutoSolver(AutoSolver&&) noexcept;
+  AutoSolver& operator=(const AutoSolver&);
+  AutoSolver& operator=(AutoSolver&&) noexcept;
+  ~AutoSolver();
 
   /// Symbolic work and memory for matrices on this pattern.
   COROTET_COLD void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest);
@@ -119,6 +123,19 @@ class AutoSolver {
 };
 
 // Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
+template <std::floating_point Scalar>
+AutoSolver<Scalar>::AutoSolver(const Options& options) : options_(options) {}
+template <std::floating_point Scalar>
+AutoSolver<Scalar>::AutoSolver(const AutoSolver&) = default;
+template <std::floating_point Scalar>
+AutoSolver<Scalar>::AutoSolver(AutoSolver&&) noexcept = default;
+template <std::floating_point Scalar>
+AutoSolver<Scalar>& AutoSolver<Scalar>::operator=(const AutoSolver&) = default;
+template <std::floating_point Scalar>
+AutoSolver<Scalar>& AutoSolver<Scalar>::operator=(AutoSolver&&) noexcept = default;
+template <std::floating_point Scalar>
+AutoSolver<Scalar>::~AutoSolver() = default;
+
 template <std::floating_point Scalar>
 void AutoSolver<Scalar>::analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest) {
   *this = AutoSolver(options_);

@@ -14,7 +14,7 @@
 
 namespace corotet::inline v0_1 {
 
-/// A = P^T L L^T P with a fill-reducing permutation of the vertices (approximate minimum degree, by Eigen). Eigen's own
+/// A = P^T L L^T P with a fill-reducing permutation of the vertices (MinimumDegree). Eigen's own
 /// sparse factorisations work number by number and allocate in every factorisation; this one works on blocks and
 /// allocates in `analyze` alone. Up-looking, after Davis 2006, "Direct Methods for Sparse Linear Systems", section 4.7.
 template <std::floating_point Scalar, int B = 3>

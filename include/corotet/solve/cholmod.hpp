@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/assert.hpp>
+#include <corotet/core/eigen.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/refinement.hpp>

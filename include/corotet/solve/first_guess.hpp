@@ -72,7 +72,7 @@ class FirstGuess {
 
   /// Solves the projected equation by Cholesky's method; what an older solution adds to the newer ones is left out
   /// where rounding hides it.
-  [[nodiscard]] static Combination nearest(const Sums& s) {
+  [[nodiscard]] COROTET_COLD static Combination nearest(const Sums& s) {
     std::array<std::array<double, depth>, depth> l{};
     std::array<double, depth> y{};
     std::array<bool, depth> used{};

@@ -54,7 +54,7 @@ class MinimumDegree {
     }
   }
 
-  [[nodiscard]] std::vector<Index> eliminate() {
+  [[nodiscard]] COROTET_COLD std::vector<Index> eliminate() {
     std::vector<Index> order;
     order.reserve(at(count_));
     Index least = 0;
@@ -83,7 +83,7 @@ class MinimumDegree {
   }
 
   /// The variables that the pivot, an element from now on, couples. Elements that it was coupled to are part of it.
-  void find_boundary(Index pivot, Index step) {
+  COROTET_COLD void find_boundary(Index pivot, Index step) {
     std::vector<Index>& boundary = boundary_[at(pivot)];
     mark_[at(pivot)] = step;
     size_[at(pivot)] = 0;
@@ -103,7 +103,7 @@ class MinimumDegree {
   }
 
   /// outside_[e]: how many variables of element e are not on the new boundary, for elements that touch it.
-  void count_outside(const std::vector<Index>& boundary, Index step) {
+  COROTET_COLD void count_outside(const std::vector<Index>& boundary, Index step) {
     for (const Index i : boundary)
       for (const Index e : elements_[at(i)]) {
         if (absorbed_[at(e)]) continue;
@@ -117,7 +117,7 @@ class MinimumDegree {
 
   /// A variable on the boundary of the new element, out of the lists of degrees: what it is coupled to otherwise, and
   /// its degree, an upper bound.
-  void update(Index i, Index pivot, Index step, Index left) {
+  COROTET_COLD void update(Index i, Index pivot, Index step, Index left) {
     const Index others = size_[at(pivot)] - weight_[at(i)];
     Index sum = others;
     remove(i);
@@ -138,7 +138,7 @@ class MinimumDegree {
 
   /// Variables on the boundary that are coupled to the same variables and elements become one, which has the weight of
   /// all: they would be eliminated one after the other. Only those whose neighbours have the same sum are compared.
-  void merge_equals(const std::vector<Index>& boundary, Index step) {
+  COROTET_COLD void merge_equals(const std::vector<Index>& boundary, Index step) {
     for (const Index i : boundary) {
       std::sort(neighbours_[at(i)].begin(), neighbours_[at(i)].end());
       std::sort(elements_[at(i)].begin(), elements_[at(i)].end());
@@ -157,7 +157,7 @@ class MinimumDegree {
   }
 
   /// i becomes part of j.
-  void merge(Index i, Index j) {
+  COROTET_COLD void merge(Index i, Index j) {
     degree_[at(j)] -= weight_[at(i)];  // the degree counts others only
     weight_[at(j)] += std::exchange(weight_[at(i)], 0);
     twin_[at(last_[at(j)])] = i;

@@ -124,7 +124,7 @@ class RigidAggregates {
   }
 
   /// The coarse matrix and its factor, from the matrix of now, turned back.
-  void factorize(const BlockMatrix<Scalar>& matrix, ExecutorRef executor) {
+  COROTET_COLD void factorize(const BlockMatrix<Scalar>& matrix, ExecutorRef executor) {
     const RigidFrames<Scalar>& frames = body_.coupled ? body_.part_frames : body_.group_frames;
     const BlockPattern& p = coarse_.pattern();
     const auto group_if_free = [&](Index v) { return body_.moves[at(v)] == 0 ? -1 : body_.group_of(v); };
@@ -152,7 +152,7 @@ class RigidAggregates {
     if (!body_.coupled) invert_parts(matrix, executor);
   }
 
-  void invert_parts(const BlockMatrix<Scalar>& matrix, ExecutorRef executor) {
+  COROTET_COLD void invert_parts(const BlockMatrix<Scalar>& matrix, ExecutorRef executor) {
     body_.for_parts(executor, [&](Index part) {
       Matrix<double, 6, 6> diagonal = Matrix<double, 6, 6>::Zero();
       rigid_row(

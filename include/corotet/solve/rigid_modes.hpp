@@ -94,8 +94,8 @@ void rigid_row(const BlockMatrix<Scalar>& matrix, const Vertices& vertices, Part
 
 /// Turns a block between two parts from the axes of the world into those of the parts, and scales it.
 template <std::floating_point Scalar>
-[[nodiscard]] Matrix<double, 6, 6> in_part_axes(const RigidFrames<Scalar>& frames, Index row, Index column,
-                                                const Matrix<double, 6, 6>& world) {
+[[nodiscard]] COROTET_COLD Matrix<double, 6, 6> in_part_axes(const RigidFrames<Scalar>& frames, Index row, Index column,
+                                                             const Matrix<double, 6, 6>& world) {
   const Mat3<double> left = frames.rotation[at(row)].template cast<double>().transpose();
   const Mat3<double> right = frames.rotation[at(column)].template cast<double>();
   const std::array<double, 2> row_scale{1, double(frames.inverse_size[at(row)])};
