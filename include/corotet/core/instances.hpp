@@ -15,6 +15,7 @@ struct Tet10;
 
 }  // namespace corotet::inline v0_1
 
+// NOLINTBEGIN(bugprone-macro-parentheses): names of templates
 // For a class with a scalar, for one with a scalar and an element, and for one with a body of these. Parameters that
 // follow have their defaults.
 #define COROTET_EXTERN_OF_SCALAR(Class) \
@@ -45,3 +46,4 @@ struct Tet10;
 #define COROTET_INSTANCES_OF_ELEMENT(Class)
 #define COROTET_INSTANCES_OF_BODY(Class)
 #endif
+// NOLINTEND(bugprone-macro-parentheses)

@@ -8,6 +8,8 @@
 
 namespace corotet::inline v0_1 {
 
+// NOLINTBEGIN(readability-identifier-naming): as in Eigen
+
 template <std::floating_point T, int R, int C>
 struct Matrix;
 
@@ -40,10 +42,10 @@ struct Matrix {
   /// Holds no numbers yet.
   Matrix() = default;
   Matrix(const Matrix&) = default;
-  Matrix(Matrix&&) = default;
+  Matrix(Matrix&&) noexcept = default;
   // Not to a temporary: `m.col(0) = v` would be lost.
   Matrix& operator=(const Matrix&) & = default;
-  Matrix& operator=(Matrix&&) & = default;
+  Matrix& operator=(Matrix&&) & noexcept = default;
   ~Matrix() = default;
   constexpr Matrix(T x, T y)
     requires(R* C == 2)
@@ -79,7 +81,7 @@ struct Matrix {
   [[nodiscard]] static constexpr Matrix Ones() { return Constant(T(1)); }
   [[nodiscard]] static constexpr Matrix Identity() {
     Matrix m = Zero();
-    for (int i = 0; i < (R < C ? R : C); ++i) m(i, i) = T(1);
+    for (int i = 0; i < R && i < C; ++i) m(i, i) = T(1);
     return m;
   }
   [[nodiscard]] static constexpr Matrix UnitX() { return unit(0); }
@@ -383,6 +385,7 @@ class MatrixView {
     for (int i = 0; i < R * C; ++i) numbers_[i] = m[i];
     return *this;
   }
+  // NOLINTNEXTLINE(bugprone-unhandled-self-assignment): copies numbers onto themselves
   COROTET_ALWAYS_INLINE MatrixView& operator=(const MatrixView& m) {
     *this = m.value();
     return *this;
@@ -399,5 +402,7 @@ class MatrixView {
  private:
   T* numbers_;
 };
+
+// NOLINTEND(readability-identifier-naming)
 
 }  // namespace corotet::inline v0_1

@@ -18,9 +18,9 @@ struct MessagePart {
   MessagePart(std::string_view words) : text(words) {}    // NOLINT(google-explicit-constructor)
   MessagePart(const std::string& words) : text(words) {}  // NOLINT(google-explicit-constructor)
   template <std::integral Integer>
-  MessagePart(Integer value)
-      : integer(static_cast<long long>(value)), kind(Kind::integer) {}  // NOLINT(google-explicit-constructor)
-  MessagePart(double value) : real(value), kind(Kind::real) {}          // NOLINT(google-explicit-constructor)
+  // NOLINTNEXTLINE(google-explicit-constructor)
+  MessagePart(Integer value) : integer(static_cast<long long>(value)), kind(Kind::integer) {}
+  MessagePart(double value) : real(value), kind(Kind::real) {}  // NOLINT(google-explicit-constructor)
 
   enum class Kind : char { text, integer, real };
 

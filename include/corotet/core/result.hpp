@@ -123,8 +123,8 @@ class [[nodiscard]] Result {
   }
 
   detail::OptionalError error_;
-  union {  // by hand: std::optional of each T that is a result costs sixty functions to compile
-    T value_;
+  union {      // by hand: std::optional of each T that is a result costs sixty functions to compile
+    T value_;  // NOLINT(readability-identifier-naming): private
   };
   bool ok_ = false;
 };

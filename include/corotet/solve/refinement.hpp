@@ -23,8 +23,8 @@ class Refinement {
   /// Solves A x = b by `factor(r, y)`, which sets y to nearly A^-1 r, to a Euclidean residual of `tolerance` * |b|.
   /// Each correction counts as an iteration. Ends as breakdown if a residual is not finite.
   template <class Factor>
-  COROTET_COLD SolveReport solve(const BlockMatrix<Scalar>& matrix, Factor&& factor, const Field<Scalar>& b, Field<Scalar>& x,
-                    double tolerance, ExecutorRef executor) {
+  COROTET_COLD SolveReport solve(const BlockMatrix<Scalar>& matrix, Factor&& factor, const Field<Scalar>& b,
+                                 Field<Scalar>& x, double tolerance, ExecutorRef executor) {
     SolveReport report;
     const double size = sum_(executor, [&](Index i, Index j) { return range_dot(b, b, i, j); });
     std::fill(x.begin(), x.end(), Vec3<Scalar>::Zero());

@@ -38,7 +38,7 @@ enum class MeshFormat { unknown, msh, medit, medit_binary, vtk, vega };
 [[nodiscard]] inline Result<MeshData> read_mesh(const FilePath& path) {
   const Result<std::string> bytes = read_file(path);
   if (!bytes) return bytes.error();
-  const std::string name = path.text();
+  const std::string& name = path.text();
   switch (detect_mesh_format(*bytes)) {
     case MeshFormat::msh:
       return read_msh(*bytes, name);

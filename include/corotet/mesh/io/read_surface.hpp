@@ -34,7 +34,7 @@ enum class SurfaceFormat { unknown, obj, stl, ply, off };
 [[nodiscard]] inline Result<SurfaceMesh> read_surface(const FilePath& path) {
   const Result<std::string> bytes = read_file(path);
   if (!bytes) return bytes.error();
-  const std::string name = path.text();
+  const std::string& name = path.text();
   switch (detect_surface_format(*bytes)) {
     case SurfaceFormat::obj:
       return read_obj(*bytes, name);
