@@ -104,6 +104,28 @@ TYPED_TEST(Preconditioners, ObeyTheirLaw) {
   expect_lawful(beam.system(), warped);
 }
 
+/// One factor in turn for matrices on larger and smaller patterns.
+TYPED_TEST(Preconditioners, AFactorIsAssignedFromOtherPatterns) {
+  using Scalar = typename TypeParam::Scalar;
+  BlockFactor<Scalar, 3> factor;
+  for (const std::array<Index, 3> cells : {std::array<Index, 3>{1, 1, 1}, {6, 2, 2}, {2, 1, 1}}) {
+    const BeamSystem<Scalar, typename TypeParam::Element> beam(cells);
+    BlockMatrix<double> matrix(beam.matrix.shared_pattern());
+    for (Index k = 0; k < matrix.pattern().blocks(); ++k)
+      matrix.block(k) = beam.matrix.block(k).template cast<double>();
+    BlockCholesky<double> cholesky;
+    cholesky.analyze(matrix.pattern());
+    cholesky.allocate();
+    ASSERT_TRUE(cholesky.factorize(matrix));
+    factor.assign(cholesky.factor());
+    Field<Scalar> x(beam.right_side.size(), Vec3<Scalar>::Zero()), product = x;
+    factor.solve(beam.right_side, x);
+    beam.matrix.apply(x, product, {});
+    for (std::size_t v = 0; v < x.size(); ++v)
+      EXPECT_LT((product[v] - beam.right_side[v]).norm(), Scalar(1e-2)) << "vertex " << v;
+  }
+}
+
 /// Parts of one vertex, of a few on a line, and parts whose vertices are all pinned have no rotation, or no motion at
 /// all: what is left must work as before.
 TYPED_TEST(Preconditioners, PartsThatCannotMoveOrTurnDoNoHarm) {

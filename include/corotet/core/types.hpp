@@ -23,12 +23,6 @@ using Mat3 = Matrix<Scalar, 3, 3>;
 template <std::floating_point Scalar>
 using Field = std::vector<Vec3<Scalar>>;
 
-/// Whether none is infinite or not a number.
-template <std::floating_point Scalar>
-[[nodiscard]] bool all_finite(const Vec3<Scalar>& v) {
-  return v.allFinite();
-}
-
 /// An array's length as an Index. Every array in the library is bounded by the mesh, whose creation checks the range.
 template <class Container>
 [[nodiscard]] constexpr Index size_of(const Container& container) {

@@ -203,7 +203,7 @@ Result<void> SoftBody<Scalar, Element, Rotation>::check_field(const char* name,
     return detail::error(ErrorCode::invalid_argument, {name},
                          {"there are ", field.size(), " for ", displacement_.size(), " vertices"});
   for (std::size_t v = 0; v < field.size(); ++v)
-    if (!all_finite(field[v]))
+    if (!field[v].allFinite())
       return detail::error(ErrorCode::non_finite_value, {name, " of vertex ", v}, {"is not finite"});
   return {};
 }

@@ -24,12 +24,12 @@ template <class Body>
 [[nodiscard]] StepReport check_step(const Body& body, typename Body::scalar_type h, const NewtonOptions& options) {
   if (!std::isfinite(h) || h <= 0) return refused({}, Refusal::time_step);
   if (options.iterations < 1 || !is_tolerance(options.tolerance)) return refused({}, Refusal::newton_options);
-  if (!all_finite(body.gravity())) return refused({}, Refusal::gravity);
+  if (!body.gravity().allFinite()) return refused({}, Refusal::gravity);
   const auto force = body.external_forces();
   for (std::size_t v = 0; v < force.size(); ++v)
-    if (!all_finite(force[v])) return refused({}, Refusal::external_force, static_cast<Index>(v));
+    if (!force[v].allFinite()) return refused({}, Refusal::external_force, static_cast<Index>(v));
   for (std::size_t p = 0; p < body.pins().targets().size(); ++p)
-    if (!all_finite(body.pins().targets()[p])) return refused({}, Refusal::pin_target, body.pins().vertices()[p]);
+    if (!body.pins().targets()[p].allFinite()) return refused({}, Refusal::pin_target, body.pins().vertices()[p]);
   return {};
 }
 

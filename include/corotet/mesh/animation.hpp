@@ -35,7 +35,7 @@ inline Result<void> validate_frames(const std::vector<Field<double>>& frames, co
                    "it has " + std::to_string(frames[k].size()) + " vertices, but frame 0 has " +
                        std::to_string(frames[0].size())};
     for (std::size_t v = 0; v < frames[k].size(); ++v)
-      if (!all_finite(frames[k][v]))
+      if (!frames[k][v].allFinite())
         return Error{ErrorCode::non_finite_value, name + "[" + std::to_string(k) + "], vertex " + std::to_string(v),
                      "its position is not a finite number"};
   }
@@ -86,7 +86,7 @@ inline AnimationBox box_of(const Animation& animation) {
 [[nodiscard]] inline Result<void> validate(const Animation& animation) {
   if (!(animation.frame_seconds > 0) || !std::isfinite(animation.frame_seconds))
     return Error{ErrorCode::invalid_argument, "frame_seconds", "it must be a finite number greater than 0"};
-  if (!all_finite(animation.up) || detail::is_zero(animation.up.cwiseAbs().maxCoeff()))
+  if (!animation.up.allFinite() || detail::is_zero(animation.up.cwiseAbs().maxCoeff()))
     return Error{ErrorCode::invalid_argument, "up", "it must be finite and not zero"};
   const std::size_t frames = animation.surface_frames.size();
   if (frames == 0) return Error{ErrorCode::empty_mesh, "surface_frames", "there must be at least one frame"};

@@ -35,13 +35,13 @@ class BlockFactor {
     work_.assign(at(rows()) * width, Scalar(0));
   }
 
-  /// The same factor in another precision; allocates the first time only.
+  /// The same factor in another precision; allocates the first time only, and for another pattern.
   template <std::floating_point Other>
   void assign(const BlockFactor<Other, B>& other) {
     order = other.order;
     column_start = other.column_start;
     row = other.row;
-    if (value_.empty()) allocate();
+    if (value_.size() != block_size * row.size() + width || work_.size() != at(rows()) * width) allocate();
     for (Index p = 0; p < size_of(row); ++p) block(p) = other.block(p).template cast<Scalar>();
   }
 
