@@ -115,6 +115,19 @@ class BlockMatrix {
     }
   }
 
+  /// The same for one of the vertex's equations, which then stands apart from its other ones, too.
+  void isolate(Index row, int component) {
+    for (Index k = pattern_->row_start[at(row)]; k < pattern_->row_start[at(row) + 1]; ++k) {
+      const Index column = pattern_->column[at(k)];
+      auto here = block(k), there = block(pattern_->slot(column, row));
+      for (int i = 0; i < B; ++i) {
+        if (column == row && i == component) continue;
+        here(component, i) = 0;
+        there(i, component) = 0;
+      }
+    }
+  }
+
  private:
   static constexpr std::size_t block_size = std::size_t{B} * B;
   static constexpr std::size_t padding = 4;

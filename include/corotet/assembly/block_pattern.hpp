@@ -63,15 +63,23 @@ struct BlockPattern {
     return static_cast<Index>(std::lower_bound(begin, end, col) - column.begin());
   }
 
-  /// The pattern of a mesh of `vertices` vertices, with the blocks of `groups` besides those of the elements.
+  /// Whether block (row, col) is there.
+  [[nodiscard]] bool has(Index row, Index col) const {
+    const Index k = slot(row, col);
+    return k < row_start[at(row) + 1] && column[at(k)] == col;
+  }
+
+  /// The pattern of a mesh of `vertices` vertices, with the blocks of `groups` and `couplings` besides those of the
+  /// elements; nothing is known of what contributes to those of `couplings`.
   /// O(elements * nodes^2 * log(blocks in a row)).
   template <std::size_t N>
   [[nodiscard]] COROTET_COLD static BlockPattern of(const std::vector<std::array<Index, N>>& elements, Index vertices,
-                                                    const VertexGroups& groups = {}) {
+                                                    const VertexGroups& groups = {},
+                                                    const VertexGroups& couplings = {}) {
     COROTET_ASSERT(groups.vertex.size() <= most_group_members, "too many groups for 32-bit indices");
     BlockPattern p;
     p.find_incidence(elements, vertices);
-    p.find_blocks(elements, groups);
+    p.find_blocks(elements, groups, couplings);
     const auto code = [](std::size_t e, std::size_t a, std::size_t b) { return (e * N + a) * N + b; };
     p.find_contributions(
         [&](auto&& visit) {
@@ -98,12 +106,17 @@ struct BlockPattern {
   }
 
   template <std::size_t N>
-  COROTET_COLD void find_blocks(const std::vector<std::array<Index, N>>& elements, const VertexGroups& groups) {
+  COROTET_COLD void find_blocks(const std::vector<std::array<Index, N>>& elements, const VertexGroups& groups,
+                                const VertexGroups& couplings) {
     const std::size_t n = incidence_start.size() - 1;
-    std::vector<std::vector<Index>> groups_of(groups.count() > 0 ? n : 0);
-    for (Index g = 0; g < groups.count(); ++g)
-      for (Index k = groups.start[at(g)]; k < groups.start[at(g) + 1]; ++k)
-        groups_of[at(groups.vertex[at(k)])].push_back(g);
+    const auto groups_of_vertices = [n](const VertexGroups& several) {
+      std::vector<std::vector<Index>> groups_of(several.count() > 0 ? n : 0);
+      for (Index g = 0; g < several.count(); ++g)
+        for (Index k = several.start[at(g)]; k < several.start[at(g) + 1]; ++k)
+          groups_of[at(several.vertex[at(k)])].push_back(g);
+      return groups_of;
+    };
+    const auto groups_of = groups_of_vertices(groups), couplings_of = groups_of_vertices(couplings);
     row_start.assign(1, 0);
     row_start.reserve(n + 1);
     diagonal.reserve(n);
@@ -114,10 +127,14 @@ struct BlockPattern {
         const auto& nodes = elements[at(incidence[at(k)]) / N];
         row.insert(row.end(), nodes.begin(), nodes.end());
       }
-      if (!groups_of.empty())
-        for (const Index g : groups_of[i])
-          row.insert(row.end(), groups.vertex.begin() + groups.start[at(g)],
-                     groups.vertex.begin() + groups.start[at(g) + 1]);
+      const auto add_groups = [&](const VertexGroups& several, const std::vector<std::vector<Index>>& of_vertex) {
+        if (of_vertex.empty()) return;
+        for (const Index g : of_vertex[i])
+          row.insert(row.end(), several.vertex.begin() + several.start[at(g)],
+                     several.vertex.begin() + several.start[at(g) + 1]);
+      };
+      add_groups(groups, groups_of);
+      add_groups(couplings, couplings_of);
       std::sort(row.begin(), row.end());
       row.erase(std::unique(row.begin(), row.end()), row.end());
       column.insert(column.end(), row.begin(), row.end());

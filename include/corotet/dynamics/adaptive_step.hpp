@@ -3,16 +3,20 @@
 
 #include <algorithm>
 #include <corotet/core/assert.hpp>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/revision.hpp>
+#include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
+#include <corotet/dynamics/step_context.hpp>
 #include <corotet/dynamics/step_phase.hpp>
 #include <corotet/dynamics/step_report.hpp>
 #include <cstdint>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace corotet::inline v0_1 {
 
@@ -42,7 +46,8 @@ struct TrustOptions {
 ///
 /// Pins go to their targets in a straight line at equal speed during the sub-steps of a step; forces stay. Costs a copy
 /// of the state a step (`accept`: nothing) as long as steps can be trusted. A Bdf2 begins anew after a division, by a
-/// step of backward Euler. Made once for a body and its copies; then `step` allocates nothing.
+/// step of backward Euler. Pieces of a body that do not touch are divided each for itself. Made once for a body and its
+/// copies; then `step` allocates nothing.
 template <class Integrator, class Body>
 class AdaptiveStep {
  public:
@@ -51,10 +56,13 @@ class AdaptiveStep {
   AdaptiveStep(Integrator integrator, const Body& body, const TrustOptions& options = {})
       : integrator_(std::move(integrator)), options_(options) {
     COROTET_ASSERT(options.most_halvings >= 0 && options.most_halvings <= 30, "that many halvings mean nothing");
+    memory_.resize(at(integrator_.implementation().piece_count()));
     if (options_.otherwise == Untrusted::accept) return;
-    displacement_ = body.displacements();
-    velocity_ = body.velocities();
-    target_.reserve(at(body.vertex_count()));  // as many as there may be pins
+    for (Memory& memory : memory_) {
+      memory.displacement.reserve(at(body.vertex_count()));
+      memory.velocity.reserve(at(body.vertex_count()));
+      memory.target.reserve(at(body.vertex_count()));  // as many as there may be pins
+    }
   }
 
   [[nodiscard]] const Integrator& integrator() const { return integrator_; }
@@ -62,39 +70,79 @@ class AdaptiveStep {
 
   /// Advances `body` by `h` seconds. A refused step leaves it untouched, also where only a sub-step was refused.
   StepReport step(Body& body, Scalar h, ExecutorRef executor = {}, PhaseObserver observer = {}) {
+    return step(body, h, StepContext<Scalar>{executor, observer, {}, {}});
+  }
+  /// The same with terms: see ImplicitEuler::step.
+  StepReport step(Body& body, Scalar h, const StepContext<Scalar>& context) {
+    return integrator_.implementation().step_pieces(
+        body, context, [&](Index piece, auto& integrator, Body& of_piece, const StepContext<Scalar>& inner) {
+          return divide(memory_[at(piece)], integrator, of_piece, h, inner);
+        });
+  }
+
+  /// For snapshots.
+  COROTET_COLD void visit_state(detail::StateArchive& archive, Body& body) {
+    auto& implementation = integrator_.implementation();
+    implementation.visit_state(archive, body);
+    for (std::size_t p = 0; p < memory_.size(); ++p) {
+      archive(memory_[p].known);
+      archive(memory_[p].before.inverted_elements);
+      archive(memory_[p].before.largest_strain);
+      detail::visit_revision(archive, memory_[p].motion,
+                             implementation.piece_body(static_cast<Index>(p), body).motion_revision());
+    }
+  }
+
+  /// As if it had just been made for the body.
+  COROTET_COLD void reset(const Body& body) {
+    integrator_.implementation().reset(body);
+    for (Memory& memory : memory_) memory.motion = {};
+  }
+
+ private:
+  /// Of a piece, when a step begins; `target`: where its pins shall go.
+  struct Memory {
+    Field<Scalar> displacement, velocity, target;
+    // Of the state that a step begins in: whether its deformation is known, and if so the report that tells it.
+    bool known = false;
+    StepReport before;
+    Revision motion;  // in which the last step that was kept ended
+  };
+
+  template <class Piece>
+  StepReport divide(Memory& memory, Piece& integrator, Body& body, Scalar h, const StepContext<Scalar>& context) {
     if (options_.otherwise != Untrusted::accept) {
-      displacement_ = body.displacements();
-      velocity_ = body.velocities();
-      target_ = body.pins().targets();
+      memory.displacement = body.displacements();
+      memory.velocity = body.velocities();
+      memory.target = body.pins().targets();
     }
     const Revision start = body.motion_revision();
-    if (motion_ != start) {
-      before_ = {};
-      known_ = std::all_of(body.displacements().begin(), body.displacements().end(),
-                           [](const Vec3<Scalar>& u) { return u.isZero(); });
+    if (memory.motion != start) {
+      memory.before = {};
+      memory.known = std::all_of(body.displacements().begin(), body.displacements().end(),
+                                 [](const Vec3<Scalar>& u) { return u.isZero(); });
     }
     const int most = options_.otherwise == Untrusted::divide ? 1 << options_.most_halvings : 1;
     StepReport report;
     for (int parts = 1, tried = 0;; parts *= 2) {
       const bool last = parts >= most;
-      report = go_through(body, h, parts, last, executor, observer);
+      report = go_through(memory, integrator, body, h, parts, last, context);
       tried += report.steps_tried;
       report.steps_tried = tried;
       const bool good_enough = report.distrust == Distrust::none || (last && options_.otherwise != Untrusted::refuse);
       if (report.accepted() && good_enough) {
-        motion_ = body.motion_revision();
-        known_ = true;
-        before_ = report;
+        memory.motion = body.motion_revision();
+        memory.known = true;
+        memory.before = report;
         return report;
       }
-      if (body.motion_revision() != start) restore(body);
+      if (body.motion_revision() != start) restore(memory, body);
       if (last || is_misuse(report.refusal)) break;
     }
     if (report.accepted()) report.refusal = Refusal::untrusted;
     return report;
   }
 
- private:
   /// Whether smaller steps would be refused just the same.
   [[nodiscard]] static bool is_misuse(Refusal refusal) {
     return refusal != Refusal::none && refusal != Refusal::solver_breakdown && refusal != Refusal::overflow;
@@ -102,12 +150,14 @@ class AdaptiveStep {
 
   /// Goes through h in so many equal parts; where there is another attempt, only up to the first that cannot be
   /// trusted.
-  StepReport go_through(Body& body, Scalar h, int parts, bool last, ExecutorRef executor, PhaseObserver observer) {
-    StepReport all, before = before_;
-    bool known = known_;
+  template <class Piece>
+  StepReport go_through(const Memory& memory, Piece& integrator, Body& body, Scalar h, int parts, bool last,
+                        const StepContext<Scalar>& context) {
+    StepReport all, before = memory.before;
+    bool known = memory.known;
     for (int part = 1; part <= parts; ++part) {
-      if (parts > 1) lead_pins(body, static_cast<Scalar>(part) / static_cast<Scalar>(parts));
-      StepReport now = integrator_.step(body, h / static_cast<Scalar>(parts), executor, observer);
+      if (parts > 1) lead_pins(memory, body, static_cast<Scalar>(part) / static_cast<Scalar>(parts));
+      StepReport now = integrator.step(body, h / static_cast<Scalar>(parts), context);
       now.distrust = now.accepted() ? distrust_of(now, before, known) : Distrust::none;
       before = now;
       known = true;
@@ -115,7 +165,7 @@ class AdaptiveStep {
       all.steps_tried = part;
       if (!now.accepted() || (now.distrust != Distrust::none && !last)) break;
     }
-    if (parts > 1) lead_pins(body, 1);
+    if (parts > 1) lead_pins(memory, body, 1);
     all.sub_steps = parts;
     return all;
   }
@@ -145,28 +195,24 @@ class AdaptiveStep {
   }
 
   /// Sets the targets of pins to where they are after this share of the step.
-  void lead_pins(Body& body, Scalar share) {
+  void lead_pins(const Memory& memory, Body& body, Scalar share) const {
     const auto& pinned = body.pins().vertices();
     for (std::size_t p = 0; p < pinned.size(); ++p) {
-      const Vec3<Scalar>& from = displacement_[at(pinned[p])];
-      body.pins().move(pinned[p],
-                       detail::exactly_equal(share, Scalar(1)) ? target_[p] : (from + share * (target_[p] - from)));
+      const Vec3<Scalar>& from = memory.displacement[at(pinned[p])];
+      body.pins().move(pinned[p], detail::exactly_equal(share, Scalar(1)) ? memory.target[p]
+                                                                          : (from + share * (memory.target[p] - from)));
     }
   }
 
-  void restore(Body& body) {
-    Result<void> restored = body.set_displacements(displacement_);
-    if (restored.ok()) restored = body.set_velocities(velocity_);
+  void restore(const Memory& memory, Body& body) const {
+    Result<void> restored = body.set_displacements(memory.displacement);
+    if (restored.ok()) restored = body.set_velocities(memory.velocity);
     COROTET_ASSERT(restored.ok(), "the state was the body's");
   }
 
   Integrator integrator_;
   TrustOptions options_;
-  Field<Scalar> displacement_, velocity_, target_;  // when the step began; where pins shall go
-  // Of the state that a step begins in: whether its deformation is known, and if so the report that tells it.
-  bool known_ = false;
-  StepReport before_;
-  Revision motion_;  // in which the last step that was kept ended
+  std::vector<Memory> memory_;  // one a piece
 };
 
 template <class Integrator, class Body>

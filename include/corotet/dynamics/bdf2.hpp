@@ -3,26 +3,34 @@
 
 #include <algorithm>
 #include <cmath>
+#include <corotet/core/buffer.hpp>
+#include <corotet/core/compiler.hpp>
+#include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/instances.hpp>
 #include <corotet/core/revision.hpp>
+#include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
-#include <corotet/dynamics/implicit_step.hpp>
+#include <corotet/dynamics/integrator.hpp>
 #include <corotet/dynamics/newton_options.hpp>
+#include <corotet/dynamics/pins.hpp>
 #include <corotet/dynamics/soft_body.hpp>
+#include <corotet/dynamics/step_context.hpp>
 #include <corotet/dynamics/step_phase.hpp>
 #include <corotet/dynamics/step_report.hpp>
+#include <corotet/dynamics/time_scheme.hpp>
+#include <corotet/dynamics/time_step.hpp>
 #include <corotet/solve/auto_solver.hpp>
 #include <corotet/solve/range_sum.hpp>
 #include <corotet/solve/solver.hpp>
-#include <utility>
+#include <limits>
 
 namespace corotet::inline v0_1 {
 
-/// v' = vbar + c M^-1 (f_ext + f_el(x') - D v'), x' = xbar + c v'. With steps of equal length c = 2h/3,
-/// xbar = (4 x - x_before) / 3 and vbar likewise; in general, with w = h / h_before, c = h (1 + w) / (1 + 2 w) and
-/// xbar = x + w^2 / (1 + 2 w) (x - x_before) (Hairer, Nørsett & Wanner 1993, section III.5). Error O(h^2); vibrations
-/// much faster than a step are damped within a few steps, as by backward Euler (L-stable), slow ones hardly.
+/// v' = v_history + gamma M^-1 (f_ext + f_el(x') - D v'), x' = x_history + gamma v'. With steps of equal length
+/// gamma = 2h/3, x_history = (4 x - x_before) / 3 and v_history likewise; in general, with w = h / h_before,
+/// gamma = h (1 + w) / (1 + 2 w) and x_history = x + w^2 / (1 + 2 w) (x - x_before) (Hairer, Nørsett & Wanner 1993,
+/// section III.5).
 ///
 /// The force is linearised where the body would be after the step at its present velocity, and pins at their targets:
 /// with one solve a step the error stays O(h^2) although the warped stiffness is not the exact tangent. Less far ahead
@@ -33,42 +41,147 @@ namespace corotet::inline v0_1 {
 /// or velocities, one that is more than twice as long as the step before (zero-stability ends at 1 + sqrt 2), and those
 /// that start with inverted elements, whose rotations jump: a second derivative in time means nothing there, and
 /// backward Euler brings nearly incompressible ones home.
+template <class Body>
+class Bdf2Scheme {
+ public:
+  using Scalar = typename Body::scalar_type;
+
+  COROTET_COLD explicit Bdf2Scheme(const Body& body)
+      : sums_(body.vertex_count()),
+        last_position_(at(body.vertex_count()), Vec3<Scalar>::Zero()),
+        last_velocity_(last_position_),
+        x_history_(last_position_),
+        v_history_(last_position_),
+        pinned_(at(body.vertex_count()), PinnedAxes{false, false, false}) {}
+
+  [[nodiscard]] TimeStep<Scalar> discretize(const Body& body, Scalar h, ExecutorRef executor) {
+    if (motion_ != body.motion_revision() || h > 2 * last_h_) return backward_euler(body, h);
+    if (pins_ != body.pins().revision()) forget_released(body);
+    const Scalar w = h / last_h_;
+    const Scalar time = extrapolate(body, h, w * w / (1 + 2 * w), executor);
+    return {.gamma = h * (1 + w) / (1 + 2 * w),
+            .x_history = x_history_,
+            .v_history = v_history_,
+            .h = h,
+            .order = 2,
+            .linearization_time = time};
+  }
+
+  void accept(const Body& body, Scalar h, const StepReport& report, Field<Scalar>& displacement,
+              Field<Scalar>& velocity) {
+    last_position_.swap(displacement);
+    last_velocity_.swap(velocity);
+    last_h_ = h;
+    motion_ = report.inverted_elements == 0 ? body.motion_revision() : Revision{};
+    if (pins_ == body.pins().revision()) return;
+    pins_ = body.pins().revision();
+    for (Index v = 0; v < body.vertex_count(); ++v) pinned_[at(v)] = body.pins().axes_of(v);
+  }
+
+  /// For snapshots.
+  void visit_state(detail::StateArchive& archive, const Body& body) {
+    archive(last_position_);
+    archive(last_velocity_);
+    archive(last_h_);
+    archive(pinned_);
+    detail::visit_revision(archive, motion_, body.motion_revision());
+    detail::visit_revision(archive, pins_, body.pins().revision());
+  }
+
+ private:
+  /// What was pinned in the last step and is free now has no history but its present velocity.
+  void forget_released(const Body& body) {
+    for (Index v = 0; v < body.vertex_count(); ++v)
+      for (int i = 0; i < 3; ++i)
+        if (pinned_[at(v)][i] && !body.pins().axes_of(v)[i]) {
+          last_velocity_[at(v)][i] = body.velocities()[at(v)][i];
+          last_position_[at(v)][i] = body.displacements()[at(v)][i] - last_h_ * body.velocities()[at(v)][i];
+        }
+  }
+
+  /// Sets x_history and v_history. Returns how far ahead the force is to be linearised, 0 ... h s: all of it as long as
+  /// the present velocity and the mean one of the last step differ by less than half of that, about their mean over the
+  /// body; nothing once they differ by more than that. Near rest, with h times a frequency of the body above 1, they
+  /// do, and the extrapolation would be unstable wherever the stiffness is more than 6/5 of the tangent's:
+  /// z^3 = g (5/2 z^2 - 2 z + 1/2) for a step's factor z has |z| < 1 for g > -1/5 only, where
+  /// g = 1 - stiffness / tangent.
+  [[nodiscard]] Scalar extrapolate(const Body& body, Scalar h, Scalar lead, ExecutorRef executor) {
+    const auto sums = sums_(executor, [&](Index begin, Index end) {
+      RangeSums<9>::Sums part{};
+      for (Index i = begin; i < end; ++i) {
+        const Vec3<Scalar>&x = body.displacements()[at(i)], &v = body.velocities()[at(i)];
+        const Vec3<Scalar> moved = x - last_position_[at(i)];
+        x_history_[at(i)] = x + lead * moved;
+        v_history_[at(i)] = v + lead * (v - last_velocity_[at(i)]);
+        const Vec3<Scalar> mean = moved / last_h_;
+        const Vec3<double> before = mean.template cast<double>(), change = (v - mean).template cast<double>();
+        part[0] += before.squaredNorm();
+        part[1] += change.squaredNorm();
+        part[8] += double(x.squaredNorm());
+        for (int k = 0; k < 3; ++k) {
+          part[at(2 + k)] += before[k];
+          part[at(5 + k)] += change[k];
+        }
+      }
+      return part;
+    });
+    const auto spread = [&](std::size_t square, std::size_t first) {  // about the mean
+      const auto sum = Vec3<double>::load(&sums[first]);
+      return std::sqrt((std::max)(0.0, sums[square] - sum.squaredNorm() / body.vertex_count()));
+    };
+    // Velocities are known to the rounding of positions over the last step: a body that only flies has no spread.
+    const double rounding = 2 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) * std::sqrt(sums[8]) /
+                            static_cast<double>(last_h_);
+    const double before = spread(0, 2), change = (std::max)(0.0, spread(1, 5) - rounding);
+    if (detail::is_zero(change)) return h;
+    return h * static_cast<Scalar>(before > 0 ? std::clamp(2 - 2 * change / before, 0.0, 1.0) : 0.0);
+  }
+
+  RangeSums<9> sums_;
+  Field<Scalar> last_position_, last_velocity_;  // before the last step
+  Field<Scalar> x_history_, v_history_;
+  detail::Buffer<PinnedAxes> pinned_;  // in the last step
+  Scalar last_h_ = 0;
+  Revision pins_;
+  Revision motion_;  // of the state after the last step, if it can be continued
+};
+
+/// The integrator of second order: see Bdf2Scheme. Error O(h^2); vibrations much faster than a step are damped within a
+/// few steps, as by backward Euler (L-stable), slow ones hardly.
 template <class Body, class Solver = AutoSolver<typename Body::scalar_type>>
   requires LinearSolver<Solver, typename Body::scalar_type>
 class Bdf2 {
  public:
   using Scalar = typename Body::scalar_type;
+  using Implementation = Integrator<Body, Bdf2Scheme<Body>, Solver>;
 
   /// Symbolic work and memory for `body` and its copies.
-  explicit Bdf2(const Body& body, Solver solver = Solver(), const NewtonOptions& newton = {});
+  explicit Bdf2(const Body& body, const Solver& solver = Solver(), const NewtonOptions& newton = {});
   Bdf2(const Body& body, const typename Solver::Options& options, const NewtonOptions& newton = {})
       : Bdf2(body, Solver(options), newton) {}
 
-  [[nodiscard]] const Solver& solver() const { return implicit_.solver(); }
-  [[nodiscard]] const NewtonOptions& newton() const { return implicit_.options(); }
+  [[nodiscard]] const Solver& solver() const { return implementation_.solver(); }
+  [[nodiscard]] const NewtonOptions& newton() const { return implementation_.newton(); }
 
-  /// Advances `body` by `h` seconds. Whatever happens is in the report; a refused step leaves the body untouched.
-  /// `observer` is told of each phase as it begins.
-  StepReport step(Body& body, Scalar h, ExecutorRef executor = {}, PhaseObserver observer = {});
+  /// Advances `body` by `h` seconds: see ImplicitEuler::step.
+  StepReport step(Body& body, Scalar h, ExecutorRef executor = {}, PhaseObserver observer = {}) {
+    return step(body, h, StepContext<Scalar>{executor, observer, {}, {}});
+  }
+  StepReport step(Body& body, Scalar h, const StepContext<Scalar>& context);
 
- private:
-  [[nodiscard]] bool continues(const Body& body, Scalar h) const {
-    return motion_ == body.motion_revision() && h <= 2 * last_h_;
+  /// Forgets all earlier steps, as if it had just been made for the body. Allocates.
+  COROTET_COLD void reset(const Body& body) { implementation_.reset(body); }
+
+  /// For snapshots.
+  COROTET_COLD void visit_state(detail::StateArchive& archive, const Body& body) {
+    implementation_.visit_state(archive, body);
   }
 
-  /// Sets xbar and vbar. Returns how far ahead the force is to be linearised, 0 ... h s: all of it as long as the
-  /// present velocity and the mean one of the last step differ by less than half of that, about their mean over the
-  /// body; nothing once they differ by more than that. Near rest, with h times a frequency of the body above 1, they
-  /// do, and the extrapolation would be unstable wherever the stiffness is more than 6/5 of the tangent's: z^3 = g (5/2
-  /// z^2 - 2 z + 1/2) for a step's factor z has |z| < 1 for g > -1/5 only, where g = 1 - stiffness / tangent.
-  [[nodiscard]] Scalar extrapolate(const Body& body, Scalar h, Scalar lead, ExecutorRef executor);
+  /// For integrators around this one: see Integrator::step_pieces.
+  [[nodiscard]] Implementation& implementation() { return implementation_; }
 
-  ImplicitStep<Body, Solver> implicit_;
-  RangeSums<8> sums_;
-  Field<Scalar> last_position_, last_velocity_;  // before the last step
-  Field<Scalar> position_, velocity_;            // xbar, vbar
-  Scalar last_h_ = 0;
-  Revision motion_;  // of the state after the last step, if it can be continued
+ private:
+  Implementation implementation_;
 };
 
 template <class Body>
@@ -77,63 +190,13 @@ Bdf2(const Body&) -> Bdf2<Body>;
 // Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
 template <class Body, class Solver>
   requires LinearSolver<Solver, typename Body::scalar_type>
-Bdf2<Body, Solver>::Bdf2(const Body& body, Solver solver, const NewtonOptions& newton)
-    : implicit_(body, std::move(solver), newton),
-      sums_(body.vertex_count()),
-      last_position_(at(body.vertex_count()), Vec3<Scalar>::Zero()),
-      last_velocity_(last_position_),
-      position_(last_position_),
-      velocity_(last_position_) {}
+Bdf2<Body, Solver>::Bdf2(const Body& body, const Solver& solver, const NewtonOptions& newton)
+    : implementation_(body, solver, newton) {}
 
 template <class Body, class Solver>
   requires LinearSolver<Solver, typename Body::scalar_type>
-StepReport Bdf2<Body, Solver>::step(Body& body, Scalar h, ExecutorRef executor, PhaseObserver observer) {
-  StepReport report = implicit_.validate(body, h);
-  if (!report.accepted()) return report;
-  if (continues(body, h)) {
-    const Scalar w = h / last_h_;
-    const Scalar ahead = extrapolate(body, h, w * w / (1 + 2 * w), executor);
-    report = implicit_.advance(
-        body, {.c = h * (1 + w) / (1 + 2 * w), .position = position_, .velocity = velocity_, .h = h, .ahead = ahead},
-        executor, observer);
-  } else {
-    report = implicit_.advance(body, backward_euler(body, h), executor, observer);
-  }
-  if (!report.accepted()) return report;
-  implicit_.swap_previous_state(last_position_, last_velocity_);
-  last_h_ = h;
-  motion_ = report.inverted_elements == 0 ? body.motion_revision() : Revision{};
-  return report;
-}
-
-template <class Body, class Solver>
-  requires LinearSolver<Solver, typename Body::scalar_type>
-typename Body::scalar_type Bdf2<Body, Solver>::extrapolate(const Body& body, Scalar h, Scalar lead,
-                                                           ExecutorRef executor) {
-  const auto sums = sums_(executor, [&](Index begin, Index end) {
-    RangeSums<8>::Sums part{};
-    for (Index i = begin; i < end; ++i) {
-      const Vec3<Scalar>&x = body.displacements()[at(i)], &v = body.velocities()[at(i)];
-      const Vec3<Scalar> moved = x - last_position_[at(i)];
-      position_[at(i)] = x + lead * moved;
-      velocity_[at(i)] = v + lead * (v - last_velocity_[at(i)]);
-      const Vec3<Scalar> mean = moved / last_h_;
-      const Vec3<double> before = mean.template cast<double>(), change = (v - mean).template cast<double>();
-      part[0] += before.squaredNorm();
-      part[1] += change.squaredNorm();
-      for (int k = 0; k < 3; ++k) {
-        part[at(2 + k)] += before[k];
-        part[at(5 + k)] += change[k];
-      }
-    }
-    return part;
-  });
-  const auto spread = [&](std::size_t square, std::size_t first) {  // about the mean
-    const auto sum = Vec3<double>::load(&sums[first]);
-    return std::sqrt((std::max)(0.0, sums[square] - sum.squaredNorm() / body.vertex_count()));
-  };
-  const double before = spread(0, 2), change = spread(1, 5);
-  return h * static_cast<Scalar>(before > 0 ? std::clamp(2 - 2 * change / before, 0.0, 1.0) : 0.0);
+StepReport Bdf2<Body, Solver>::step(Body& body, Scalar h, const StepContext<Scalar>& context) {
+  return implementation_.step(body, h, context);
 }
 
 COROTET_INSTANCES_OF_BODY(Bdf2)

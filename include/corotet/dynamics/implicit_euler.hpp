@@ -1,16 +1,19 @@
 // Backward Euler: the default integrator. First order, damps all motion, never grows.
 #pragma once
 
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/instances.hpp>
-#include <corotet/dynamics/implicit_step.hpp>
+#include <corotet/core/state_archive.hpp>
+#include <corotet/dynamics/integrator.hpp>
 #include <corotet/dynamics/newton_options.hpp>
 #include <corotet/dynamics/soft_body.hpp>
+#include <corotet/dynamics/step_context.hpp>
 #include <corotet/dynamics/step_phase.hpp>
 #include <corotet/dynamics/step_report.hpp>
+#include <corotet/dynamics/time_scheme.hpp>
 #include <corotet/solve/auto_solver.hpp>
 #include <corotet/solve/solver.hpp>
-#include <utility>
 
 namespace corotet::inline v0_1 {
 
@@ -18,7 +21,7 @@ namespace corotet::inline v0_1 {
 /// (M + h D + h^2 K) dv = h (f_ext + f_el(x) - D v) - h^2 K v, then v += dv, x += h v, with K at the start of the step:
 /// the warped stiffness K' (Müller & Gross 2004, section 3.4; Baraff & Witkin 1998, eq. 6) and what NewtonOptions'
 /// tangent adds to it, and D = a M + b K'. A body without pins is solved for in a frame that turns with it: see
-/// TurningFrame.
+/// TurningFrame. Pieces of the body that do not touch move as each does alone: see Pieces.
 ///
 /// The integrator owns all that a step needs besides the body: make it once for a body, then `step` allocates nothing.
 template <class Body, class Solver = AutoSolver<typename Body::scalar_type>>
@@ -26,21 +29,37 @@ template <class Body, class Solver = AutoSolver<typename Body::scalar_type>>
 class ImplicitEuler {
  public:
   using Scalar = typename Body::scalar_type;
+  using Implementation = Integrator<Body, BackwardEulerScheme<Body>, Solver>;
 
   /// Symbolic work and memory for `body` and its copies.
-  explicit ImplicitEuler(const Body& body, Solver solver = Solver(), const NewtonOptions& newton = {});
+  explicit ImplicitEuler(const Body& body, const Solver& solver = Solver(), const NewtonOptions& newton = {});
   ImplicitEuler(const Body& body, const typename Solver::Options& options, const NewtonOptions& newton = {})
       : ImplicitEuler(body, Solver(options), newton) {}
 
-  [[nodiscard]] const Solver& solver() const { return implicit_.solver(); }
-  [[nodiscard]] const NewtonOptions& newton() const { return implicit_.options(); }
+  [[nodiscard]] const Solver& solver() const { return implementation_.solver(); }
+  [[nodiscard]] const NewtonOptions& newton() const { return implementation_.newton(); }
 
   /// Advances `body` by `h` seconds. Whatever happens is in the report; a refused step leaves the body untouched.
   /// `observer` is told of each phase as it begins.
-  StepReport step(Body& body, Scalar h, ExecutorRef executor = {}, PhaseObserver observer = {});
+  StepReport step(Body& body, Scalar h, ExecutorRef executor = {}, PhaseObserver observer = {}) {
+    return step(body, h, StepContext<Scalar>{executor, observer, {}, {}});
+  }
+  /// The same with terms that act on the body besides its own. The first step with some allocates memory for them.
+  StepReport step(Body& body, Scalar h, const StepContext<Scalar>& context);
+
+  /// Forgets all earlier steps, as if it had just been made for the body. Allocates.
+  COROTET_COLD void reset(const Body& body) { implementation_.reset(body); }
+
+  /// For snapshots.
+  COROTET_COLD void visit_state(detail::StateArchive& archive, const Body& body) {
+    implementation_.visit_state(archive, body);
+  }
+
+  /// For integrators around this one: see Integrator::step_pieces.
+  [[nodiscard]] Implementation& implementation() { return implementation_; }
 
  private:
-  ImplicitStep<Body, Solver> implicit_;
+  Implementation implementation_;
 };
 
 template <class Body>
@@ -49,15 +68,13 @@ ImplicitEuler(const Body&) -> ImplicitEuler<Body>;
 // Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
 template <class Body, class Solver>
   requires LinearSolver<Solver, typename Body::scalar_type>
-ImplicitEuler<Body, Solver>::ImplicitEuler(const Body& body, Solver solver, const NewtonOptions& newton)
-    : implicit_(body, std::move(solver), newton) {}
+ImplicitEuler<Body, Solver>::ImplicitEuler(const Body& body, const Solver& solver, const NewtonOptions& newton)
+    : implementation_(body, solver, newton) {}
 
 template <class Body, class Solver>
   requires LinearSolver<Solver, typename Body::scalar_type>
-StepReport ImplicitEuler<Body, Solver>::step(Body& body, Scalar h, ExecutorRef executor, PhaseObserver observer) {
-  const StepReport checked = implicit_.validate(body, h);
-  if (!checked.accepted()) return checked;
-  return implicit_.advance(body, backward_euler(body, h), executor, observer);
+StepReport ImplicitEuler<Body, Solver>::step(Body& body, Scalar h, const StepContext<Scalar>& context) {
+  return implementation_.step(body, h, context);
 }
 
 COROTET_INSTANCES_OF_BODY(ImplicitEuler)

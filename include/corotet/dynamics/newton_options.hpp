@@ -19,7 +19,7 @@ struct NewtonOptions {
   /// not, as far as the integrator does.
   bool keeps_angular_momentum = true;
   /// Whether a step with one solve that ends with more energy than the body had, and than forces and pins gave it, is
-  /// solved again: by Newton's method, one of Bdf2 by backward Euler. See EnergyBalance.
+  /// solved again: by Newton's method, one of Bdf2 by backward Euler. See EnergyBound.
   bool bounds_energy = true;
 };
 

@@ -1,38 +1,31 @@
 // A soft body: what it is made of, where it is, how fast it moves, what holds it and what pulls at it.
 #pragma once
 
-#include <cmath>
+#include <array>
 #include <concepts>
-#include <corotet/assembly/block_pattern.hpp>
-#include <corotet/assembly/elasticity.hpp>
-#include <corotet/assembly/mass.hpp>
+#include <corotet/core/assert.hpp>
 #include <corotet/core/compiler.hpp>
 #include <corotet/core/instances.hpp>
 #include <corotet/core/message.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/revision.hpp>
+#include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
-#include <corotet/dynamics/crossing_time.hpp>
+#include <corotet/dynamics/body_model.hpp>
 #include <corotet/dynamics/pins.hpp>
 #include <corotet/material/material.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
+#include <corotet/terms/body_terms.hpp>
 #include <memory>
 #include <span>
-#include <string>
 #include <utility>
-#include <vector>
 
 namespace corotet::inline v0_1 {
 
-struct BodyOptions {
-  MassModel mass = MassModel::lumped;
-  RayleighDamping damping;
-  Dilatation dilatation = Dilatation::per_element;
-};
-
-/// The state is a displacement from rest and a velocity, not a world position, so that float keeps its digits wherever
-/// the rest shape lies: all positions are relative to `mesh().origin()`. (A body that then travels many times its size
-/// has a large displacement, and loses them again.) An integrator (ImplicitEuler) moves it.
+/// A BodyModel, which copies share, and a state. The state is a displacement from rest and a velocity, not a world
+/// position, so that float keeps its digits wherever the rest shape lies: all positions are relative to
+/// `mesh().origin()`. (A body that then travels many times its size has a large displacement, and loses them again: see
+/// `set_state`.) An integrator (ImplicitEuler) moves it.
 template <std::floating_point Scalar, ReferenceElement Element = Tet4, RotationExtractor Rotation = Polar>
 class SoftBody {
  public:
@@ -40,25 +33,32 @@ class SoftBody {
   using element_type = Element;
   using Mesh = TetMesh<Scalar, Element>;
   using Law = Elasticity<Scalar, Element, Rotation>;
+  using Model = BodyModel<Scalar, Element, Rotation>;
 
-  /// A body at rest in its rest shape, free of pins, gravity and forces.
-  /// Errors: invalid_argument for a material (see Materials::check) or negative damping.
+  /// A body at rest in its rest shape, free of pins, gravity and forces, of a model of its own. Errors: as
+  /// BodyModel::create.
   [[nodiscard]] COROTET_COLD static Result<SoftBody> create(Mesh mesh, const Materials& materials,
                                                             const BodyOptions& options = {});
 
-  [[nodiscard]] const Mesh& mesh() const { return mesh_; }
-  [[nodiscard]] const Law& law() const { return law_; }
-  [[nodiscard]] const Mass<Scalar>& mass() const { return mass_; }
-  [[nodiscard]] const RayleighDamping& damping() const { return damping_; }
-  [[nodiscard]] const std::shared_ptr<const BlockPattern>& pattern() const { return pattern_; }
-  [[nodiscard]] Index vertex_count() const { return mesh_.vertex_count(); }
+  /// The same of a model that others may share.
+  COROTET_COLD explicit SoftBody(std::shared_ptr<const Model> model);
+
+  [[nodiscard]] const std::shared_ptr<const Model>& model() const { return model_; }
+  [[nodiscard]] const Mesh& mesh() const { return model_->mesh(); }
+  [[nodiscard]] const Law& law() const { return model_->law(); }
+  [[nodiscard]] const Mass<Scalar>& mass() const { return model_->mass(); }
+  [[nodiscard]] const RayleighDamping& damping() const { return damping_.damping; }
+  [[nodiscard]] const std::shared_ptr<const BlockPattern>& pattern() const { return model_->pattern(); }
+  [[nodiscard]] Index vertex_count() const { return mesh().vertex_count(); }
 
   /// m and m/s, one a vertex.
   [[nodiscard]] const Field<Scalar>& displacements() const { return displacement_; }
   [[nodiscard]] const Field<Scalar>& velocities() const { return velocity_; }
 
   /// Where a vertex is now, m, relative to `mesh().origin()`.
-  [[nodiscard]] Vec3<Scalar> position(Index vertex) const { return mesh_.position(vertex) + displacement_[at(vertex)]; }
+  [[nodiscard]] Vec3<Scalar> position(Index vertex) const {
+    return mesh().position(vertex) + displacement_[at(vertex)];
+  }
 
   /// Replaces the state. Errors: invalid_argument (length), non_finite_value (names the vertex); nothing changes then.
   COROTET_COLD Result<void> set_displacements(std::span<const Vec3<Scalar>> displacement);
@@ -68,14 +68,14 @@ class SoftBody {
   [[nodiscard]] Pins<Scalar>& pins() { return pins_; }
   [[nodiscard]] const Pins<Scalar>& pins() const { return pins_; }
 
-  /// Pins each vertex whose rest position (relative to the origin) satisfies `predicate`, where it is now. Returns how
-  /// many.
+  /// Pins each vertex whose rest position (relative to the origin) satisfies `predicate`, where it is now; along some
+  /// axes alone, if asked for. Returns how many.
   template <std::predicate<const Vec3<Scalar>&> Predicate>
-  Index pin_where(Predicate&& predicate) {
+  Index pin_where(Predicate&& predicate, PinnedAxes axes = {}) {
     Index count = 0;
     for (Index v = 0; v < vertex_count(); ++v)
-      if (predicate(mesh_.position(v))) {
-        pins_.pin(v, displacement_[at(v)]);
+      if (predicate(mesh().position(v))) {
+        pins_.pin(v, displacement_[at(v)], axes);
         ++count;
       }
     return count;
@@ -84,25 +84,28 @@ class SoftBody {
   /// Leads a pinned vertex: it will be at `position` (m, relative to the origin) after the next step.
   void move_pin(Index vertex, const Vec3<Scalar>& position) {
     COROTET_ASSERT(pins_.is_pinned(vertex), "pin the vertex before moving it");
-    if (pins_.is_pinned(vertex)) pins_.move(vertex, position - mesh_.position(vertex));
+    if (pins_.is_pinned(vertex)) pins_.move(vertex, position - mesh().position(vertex));
   }
 
   /// m/s^2.
-  void set_gravity(const Vec3<Scalar>& gravity) { gravity_ = gravity; }
-  [[nodiscard]] const Vec3<Scalar>& gravity() const { return gravity_; }
+  void set_gravity(const Vec3<Scalar>& gravity) { gravity_.acceleration = gravity; }
+  [[nodiscard]] const Vec3<Scalar>& gravity() const { return gravity_.acceleration; }
 
   /// Force on each vertex, N, besides gravity; zero until the caller writes to it, and kept from step to step.
-  [[nodiscard]] std::span<Vec3<Scalar>> external_forces() { return external_force_; }
-  [[nodiscard]] std::span<const Vec3<Scalar>> external_forces() const { return external_force_; }
+  [[nodiscard]] std::span<Vec3<Scalar>> external_forces() { return nodal_force_.force; }
+  [[nodiscard]] std::span<const Vec3<Scalar>> external_forces() const { return nodal_force_.force; }
 
-  /// New materials. The mass follows. Errors as for `create`; nothing changes then.
+  /// For integrators: gravity, nodal forces and damping, as terms of a step.
+  [[nodiscard]] std::array<StepTerm<Scalar>*, 3> terms() { return {&gravity_, &nodal_force_, &damping_}; }
+
+  /// New materials: this body gets a model of its own. The mass follows. Errors as for `create`; nothing changes then.
   COROTET_COLD Result<void> set_materials(const Materials& materials);
 
   /// How long sound takes through the body where it is thin, s: see thickness.
-  [[nodiscard]] double crossing_time() const { return crossing_time_; }
+  [[nodiscard]] double crossing_time() const { return model_->crossing_time(); }
 
   /// Another than that of any body with other materials or another mesh.
-  [[nodiscard]] Revision material_revision() const { return material_revision_; }
+  [[nodiscard]] Revision material_revision() const { return model_->revision(); }
 
   /// Stands for these displacements and materials: no other state of any body with this mesh has it, but
   /// copies of this one. Lets an integrator keep what it evaluated.
@@ -112,53 +115,46 @@ class SoftBody {
   /// last one ended.
   [[nodiscard]] Revision motion_revision() const { return motion_revision_; }
 
+  /// Back to the rest shape, without motion. Pins, forces and gravity stay.
+  void reset();
+
+  /// For snapshots.
+  COROTET_COLD void visit_state(detail::StateArchive& archive);
+
   /// For integrators: takes the new state by exchange of buffers, which must be finite and of the body's length.
   void swap_state(Field<Scalar>& displacement, Field<Scalar>& velocity);
 
  private:
-  COROTET_COLD SoftBody(Mesh mesh, const Materials& materials, const BodyOptions& options);
-
   [[nodiscard]] COROTET_COLD Result<void> check_field(const char* name, std::span<const Vec3<Scalar>> field) const;
 
-  Mesh mesh_;
-  Law law_;
-  std::shared_ptr<const BlockPattern> pattern_;
-  Mass<Scalar> mass_;
-  RayleighDamping damping_;
-  double thickness_, crossing_time_;
+  std::shared_ptr<const Model> model_;
+  GravityTerm<Scalar> gravity_;
+  NodalForceTerm<Scalar> nodal_force_;
+  RayleighDampingTerm<Scalar> damping_;
   Pins<Scalar> pins_;
-  Field<Scalar> displacement_, velocity_, external_force_;
-  Vec3<Scalar> gravity_ = Vec3<Scalar>::Zero();
+  Field<Scalar> displacement_, velocity_;
   Revision revision_ = new_revision();
-  Revision material_revision_ = revision_;
   Revision motion_revision_ = revision_;
 };
 
 // Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
 template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
-SoftBody<Scalar, Element, Rotation>::SoftBody(Mesh mesh, const Materials& materials, const BodyOptions& options)
-    : mesh_(std::move(mesh)),
-      law_(mesh_, materials, options.dilatation),
-      pattern_(std::make_shared<const BlockPattern>(
-          BlockPattern::of(mesh_.elements(), mesh_.vertex_count(), law_.vertex_groups()))),
-      mass_(mesh_, materials, options.mass, *pattern_),
-      damping_(options.damping),
-      thickness_(thickness(mesh_)),
-      crossing_time_(corotet::crossing_time(thickness_, materials, mesh_.element_count())),
-      pins_(mesh_.vertex_count()),
-      displacement_(at(mesh_.vertex_count()), Vec3<Scalar>::Zero()),
-      velocity_(displacement_),
-      external_force_(displacement_) {}
+SoftBody<Scalar, Element, Rotation>::SoftBody(std::shared_ptr<const Model> model)
+    : model_(std::move(model)),
+      pins_(vertex_count()),
+      displacement_(at(vertex_count()), Vec3<Scalar>::Zero()),
+      velocity_(displacement_) {
+  nodal_force_.force = displacement_;
+  damping_.damping = model_->options().damping;
+}
 
 template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
 Result<SoftBody<Scalar, Element, Rotation>> SoftBody<Scalar, Element, Rotation>::create(Mesh mesh,
                                                                                         const Materials& materials,
                                                                                         const BodyOptions& options) {
-  if (Result<void> s = materials.template validate<Scalar>(at(mesh.element_count())); !s) return s.error();
-  for (const double damping : {options.damping.mass, options.damping.stiffness})
-    if (!std::isfinite(damping) || damping < 0)
-      return detail::error(ErrorCode::invalid_argument, {"damping"}, {"must be >= 0 and finite"});
-  return SoftBody(std::move(mesh), materials, options);
+  auto model = Model::create(std::move(mesh), materials, options);
+  if (!model) return model.error();
+  return SoftBody(*std::move(model));
 }
 
 template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
@@ -179,12 +175,28 @@ Result<void> SoftBody<Scalar, Element, Rotation>::set_velocities(std::span<const
 
 template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
 Result<void> SoftBody<Scalar, Element, Rotation>::set_materials(const Materials& materials) {
-  if (Result<void> s = materials.template validate<Scalar>(at(mesh_.element_count())); !s) return s;
-  law_.set_materials(materials);
-  mass_ = Mass<Scalar>(mesh_, materials, mass_.model(), *pattern_);
-  crossing_time_ = corotet::crossing_time(thickness_, materials, mesh_.element_count());
-  revision_ = material_revision_ = new_revision();
+  auto model = model_->with_materials(materials);
+  if (!model) return model.error();
+  model_ = *std::move(model);
+  revision_ = new_revision();
   return {};
+}
+
+template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
+void SoftBody<Scalar, Element, Rotation>::reset() {
+  for (Field<Scalar>* field : {&displacement_, &velocity_})
+    for (Vec3<Scalar>& x : *field) x.setZero();
+  revision_ = motion_revision_ = new_revision();
+}
+
+template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
+void SoftBody<Scalar, Element, Rotation>::visit_state(detail::StateArchive& archive) {
+  archive(displacement_);
+  archive(velocity_);
+  archive(nodal_force_.force);
+  archive(gravity_.acceleration);
+  archive(pins_);
+  if (archive.reads()) revision_ = motion_revision_ = new_revision();
 }
 
 template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>

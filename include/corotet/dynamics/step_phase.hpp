@@ -26,6 +26,9 @@ class PhaseObserver {
       : object_(const_cast<void*>(static_cast<const void*>(std::addressof(observer)))),
         call_([](void* object, StepPhase phase) { (*static_cast<std::remove_reference_t<O>*>(object))(phase); }) {}
 
+  /// Whether there is anybody to tell.
+  explicit operator bool() const { return call_ != nullptr; }
+
   void operator()(StepPhase phase) const {
     if (call_ != nullptr) call_(object_, phase);
   }

@@ -1,6 +1,7 @@
 // What a step tells its caller.
 #pragma once
 
+#include <algorithm>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/solver.hpp>
 #include <cstdint>
@@ -106,5 +107,26 @@ struct StepReport {
     return "";
   }
 };
+
+/// The report of two pieces of a body that were stepped at the same time: of counts and residuals the larger, of what
+/// went wrong the first.
+[[nodiscard]] inline StepReport worse_of(const StepReport& a, const StepReport& b) {
+  if (!a.accepted() || !b.accepted()) return a.accepted() ? b : a;
+  StepReport all = a;
+  all.converged = a.converged && b.converged;
+  if (all.solve == SolveStatus::converged) all.solve = b.solve;
+  all.iterations = (std::max)(a.iterations, b.iterations);
+  all.residual = (std::max)(a.residual, b.residual);
+  all.newton_iterations = (std::max)(a.newton_iterations, b.newton_iterations);
+  all.newton_converged = a.newton_converged && b.newton_converged;
+  all.newton_residual = (std::max)(a.newton_residual, b.newton_residual);
+  all.inverted_elements += b.inverted_elements;
+  all.largest_rotation = (std::max)(a.largest_rotation, b.largest_rotation);
+  all.largest_strain = (std::max)(a.largest_strain, b.largest_strain);
+  if (all.distrust == Distrust::none) all.distrust = b.distrust;
+  all.sub_steps = (std::max)(a.sub_steps, b.sub_steps);
+  all.steps_tried = (std::max)(a.steps_tried, b.steps_tried);
+  return all;
+}
 
 }  // namespace corotet::inline v0_1

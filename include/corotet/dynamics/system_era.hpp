@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <corotet/core/revision.hpp>
+#include <corotet/core/state_archive.hpp>
 #include <cstdint>
 
 namespace corotet::inline v0_1 {
@@ -29,6 +30,15 @@ class SystemEra {
       ++era_;
     }
     return era_;
+  }
+
+  /// For snapshots. `now`: the present revisions, in place of those of the state that is read.
+  void visit_state(detail::StateArchive& archive, const Revision& materials, const Revision& pins) {
+    archive(era_);
+    archive(begin_.mass_factor);
+    archive(begin_.stiffness_factor);
+    detail::visit_revision(archive, begin_.materials, materials);
+    detail::visit_revision(archive, begin_.pins, pins);
   }
 
  private:

@@ -8,9 +8,12 @@
 #include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
+#include <corotet/dynamics/term_sum.hpp>
+#include <corotet/dynamics/time_step.hpp>
 #include <corotet/rotation/polar_robust.hpp>
 #include <corotet/rotation/quaternion.hpp>
 #include <corotet/solve/range_sum.hpp>
+#include <corotet/terms/term_state.hpp>
 #include <limits>
 #include <span>
 
@@ -36,9 +39,10 @@ class TurningFrame {
 
   explicit TurningFrame(Index vertices) : before_sums_(vertices), after_sums_(vertices), finite_(vertices) {}
 
-  /// Before a step of `h` s: what the body's angular momentum about its centre of mass will be after it, from what it
-  /// is, what mass damping leaves of that (to first or second order), and what forces besides gravity do to it.
-  void begin(const Body& body, Scalar h, bool second_order, ExecutorRef executor) {
+  /// Before a step: what the body's angular momentum about its centre of mass will be after it, from what it is, what
+  /// mass damping (1/s) leaves of that (to the order of the scheme), and what nodal forces do to it.
+  void begin(const Body& body, const TimeStep<Scalar>& step, double mass_damping, ExecutorRef executor) {
+    const auto h = double(step.h);
     const auto x = placed(body, body.displacements());
     const auto v = relative(body.velocities());
     const auto sums = before_sums_(executor, [&](Index begin, Index end) {
@@ -47,24 +51,27 @@ class TurningFrame {
         add_motion(body, i, x, v, sum);
         const Vec3<double> force = body.external_forces()[at(i)].template cast<double>();
         add_to_column(sum, 6, force);
-        add_to_column(sum, 7, (x(i) + double(h) / 2 * v(i)).cross(force));
+        add_to_column(sum, 7, (x(i) + h / 2 * v(i)).cross(force));
       }
       return sums_of<24>(sum);
     });
     const auto sum = Matrix<double, 3, 8>::load(sums.data());
     before_ = motion(body, sum);
-    const double damping = double(h) * body.damping().mass;
-    const double decay = second_order ? detail::exponential(-damping) : 1 / (1 + damping);
-    const Vec3<double> midway = before_.centre + double(h) / 2 * before_.velocity;
-    goal_ = decay * before_.momentum + double(h) * std::sqrt(decay) * (sum.col(7) - midway.cross(sum.col(6)));
-    mean_force_ = sum.col(6) / body.mass().total();
-    frame_.setZero();
+    const double damping = h * mass_damping;
+    const double decay = step.is_first_order() ? 1 / (1 + damping) : detail::exponential(-damping);
+    const Vec3<double> midway = before_.centre + h / 2 * before_.velocity;
+    goal_ = decay * before_.momentum + h * std::sqrt(decay) * (sum.col(7) - midway.cross(sum.col(6)));
+    turn_rate_.setZero();
     turn_.setZero();
+    // Where the centre of mass would be without forces: about that the frame turns.
+    pivot_velocity_ =
+        (body.velocities()[0].template cast<double>() + before_.velocity) / (1 + double(step.gamma) * mass_damping);
+    pivot_ = origin(body, body.displacements()) + before_.centre + double(step.gamma) * pivot_velocity_;
   }
 
   /// Enters the frame for the step that has begun: `velocity` is the body's as seen from it, m/s.
   void enter(const Body& body, Scalar h, Field<Scalar>& velocity, ExecutorRef executor) {
-    const Vec3<double> w = frame_ = angular_velocity(before_.second, before_.momentum);
+    const Vec3<double> w = turn_rate_ = angular_velocity(before_.second, before_.momentum);
     turn_ = double(h) * w;
     const Mat3<double> coriolis = rotation_by(-2 * turn_);
     const double g = double(h) / std::sqrt(1 + turn_.squaredNorm());
@@ -80,33 +87,53 @@ class TurningFrame {
     });
   }
 
-  /// Once in the frame: how directions that rest in space have turned against it after the step, and the mean of the
-  /// forces besides gravity, N/kg.
-  [[nodiscard]] Mat3<double> space() const { return rotation_by(-turn_); }
-  [[nodiscard]] const Vec3<double>& mean_force() const { return mean_force_; }
+  /// Once in the frame: where its points are in space after the step.
+  [[nodiscard]] TurningPlacement<Scalar> placement() const {
+    return {.rotation = rotation_by(turn_).template cast<Scalar>(),
+            .pivot = pivot_.template cast<Scalar>(),
+            .pivot_velocity = pivot_velocity_.template cast<Scalar>(),
+            .angular_velocity = turn_rate_.template cast<Scalar>(),
+            .turns = true};
+  }
 
   /// Leaves the frame, if it was entered, and gives the body its angular momentum: turns the solution of a step, with
-  /// x' = xbar + c v'. False if a number is not finite.
-  [[nodiscard]] bool leave(const Body& body, Scalar c, Field<Scalar>& displacement, Field<Scalar>& velocity,
-                           ExecutorRef executor) {
+  /// x' = x_history + gamma v'. Implicit terms add the moments of their impulses; the body is then where they saw it,
+  /// and its velocities alone are corrected. False if a number is not finite.
+  [[nodiscard]] bool leave(const Body& body, Scalar gamma, const TermSum<Scalar>& terms, Field<Scalar>& displacement,
+                           Field<Scalar>& velocity, ExecutorRef executor) {
     const auto x = placed(body, displacement);
     const auto v = relative(velocity);
+    const bool implicit = terms.is_implicit();
     const auto sums = after_sums_(executor, [&](Index begin, Index end) {
-      auto sum = Matrix<double, 3, 6>::Zero();
-      for (Index i = begin; i < end; ++i) add_motion(body, i, x, v, sum);
-      return sums_of<18>(sum);
+      auto sum = Matrix<double, 3, 8>::Zero();
+      for (Index i = begin; i < end; ++i) {
+        add_motion(body, i, x, v, sum);
+        if (!implicit) continue;
+        const Vec3<double> impulse = terms.impulse(i, gamma).template cast<double>();
+        add_to_column(sum, 6, impulse);
+        add_to_column(sum, 7, x(i).cross(impulse));
+      }
+      return sums_of<24>(sum);
     });
-    const Motion solved = motion(body, Matrix<double, 3, 6>::load(sums.data()));
-    Mat3<double> q = rotation_by(turn_);  // and on, by what the solution lacks besides the frame's own turn
-    q *= rotation_by(double(c) * (angular_velocity(solved.second, q.transpose() * goal_ - solved.momentum) - frame_));
-    const Vec3<double> w = angular_velocity(q * solved.second * q.transpose(), goal_ - q * solved.momentum);
+    const auto sum = Matrix<double, 3, 8>::load(sums.data());
+    const Motion solved = motion(body, sum);
+    const Mat3<double> turn = rotation_by(turn_);
+    if (implicit) goal_ = goal_ + turn * (sum.col(7) - solved.centre.cross(sum.col(6)));
     const Vec3<double> still = velocity[0].template cast<double>() + solved.velocity;
+    const Vec3<double> arm = origin(body, displacement) + solved.centre - pivot_;
+    const Vec3<double> shift = turn * arm - arm;
+    const Vec3<double> flight = pivot_velocity_ + turn * (still - pivot_velocity_);
+    Mat3<double> q = turn;  // and on, by what the solution lacks besides the frame's own turn
+    if (!implicit)
+      q *= rotation_by(double(gamma) *
+                       (angular_velocity(solved.second, q.transpose() * goal_ - solved.momentum) - turn_rate_));
+    const Vec3<double> w = angular_velocity(q * solved.second * q.transpose(), goal_ - q * solved.momentum);
     const double not_finite = finite_(executor, [&](Index begin, Index end) {
       bool finite = true;
       for (Index i = begin; i < end; ++i) {
         const Vec3<double> before = x(i) - solved.centre, after = q * before;
-        displacement[at(i)] += (after - before).template cast<Scalar>();
-        velocity[at(i)] = (still + q * (v(i) - solved.velocity) + w.cross(after)).template cast<Scalar>();
+        displacement[at(i)] += (shift + (after - before)).template cast<Scalar>();
+        velocity[at(i)] = (flight + q * (v(i) - solved.velocity) + w.cross(after)).template cast<Scalar>();
         finite = finite && displacement[at(i)].allFinite() && velocity[at(i)].allFinite();
       }
       return finite ? 0.0 : 1.0;
@@ -130,6 +157,11 @@ class TurningFrame {
     return [&rest = body.mesh().positions(), moved = relative(displacement)](Index i) -> Vec3<double> {
       return (rest[at(i)] - rest[0]).template cast<double>() + moved(i);
     };
+  }
+
+  /// Where the first vertex is, m.
+  [[nodiscard]] static Vec3<double> origin(const Body& body, std::span<const Vec3<Scalar>> displacement) {
+    return body.mesh().position(0).template cast<double>() + displacement[0].template cast<double>();
   }
 
   /// Columns: mass x, mass v, x cross mass v, and three of x (mass x)^T.
@@ -178,12 +210,11 @@ class TurningFrame {
   }
 
   Motion before_{};
-  Vec3<double> mean_force_ = Vec3<double>::Zero();
-  Vec3<double> goal_ = Vec3<double>::Zero();   // angular momentum after the step
-  Vec3<double> frame_ = Vec3<double>::Zero();  // its angular velocity, rad/s, 0 if it was not entered
-  Vec3<double> turn_ = Vec3<double>::Zero();   // the angle of that in the step, rad
-  RangeSums<24> before_sums_;
-  RangeSums<18> after_sums_;
+  Vec3<double> goal_ = Vec3<double>::Zero();       // angular momentum after the step
+  Vec3<double> turn_rate_ = Vec3<double>::Zero();  // angular velocity of the frame, rad/s, 0 if it was not entered
+  Vec3<double> turn_ = Vec3<double>::Zero();       // the angle of that in the step, rad
+  Vec3<double> pivot_ = Vec3<double>::Zero(), pivot_velocity_ = pivot_;
+  RangeSums<24> before_sums_, after_sums_;
   RangeSum finite_;
 };
 

@@ -67,6 +67,10 @@ class TetMesh {
   /// The mesh as unchecked data in double, in the coordinates given to `create`: for writers and converters.
   [[nodiscard]] COROTET_COLD MeshData data() const;
 
+  /// The mesh of some elements alone, each named once, with the same positions and origin. `vertices` (out): of this
+  /// mesh, ascending, one for each of the new mesh's.
+  [[nodiscard]] COROTET_COLD TetMesh part(const std::vector<Index>& elements, std::vector<Index>& vertices) const;
+
  private:
   TetMesh() = default;
 
@@ -120,6 +124,30 @@ MeshData TetMesh<Scalar, Element>::data() const {
   for (const Nodes& nodes : elements_) out.connectivity.insert(out.connectivity.end(), nodes.begin(), nodes.end());
   out.regions = regions_;
   return out;
+}
+
+template <std::floating_point Scalar, ReferenceElement Element>
+TetMesh<Scalar, Element> TetMesh<Scalar, Element>::part(const std::vector<Index>& elements,
+                                                        std::vector<Index>& vertices) const {
+  std::vector<Index> place(positions_.size(), -1);
+  for (const Index e : elements)
+    for (const Index v : elements_[at(e)]) place[at(v)] = 0;
+  TetMesh mesh;
+  mesh.origin_ = origin_;
+  vertices.clear();
+  for (Index v = 0; v < vertex_count(); ++v)
+    if (place[at(v)] == 0) {
+      place[at(v)] = size_of(vertices);
+      vertices.push_back(v);
+      mesh.positions_.push_back(positions_[at(v)]);
+    }
+  for (const Index e : elements) {
+    Nodes nodes = elements_[at(e)];
+    for (Index& v : nodes) v = place[at(v)];
+    mesh.elements_.push_back(nodes);
+    if (!regions_.empty()) mesh.regions_.push_back(regions_[at(e)]);
+  }
+  return mesh;
 }
 
 COROTET_INSTANCES_OF_ELEMENT(TetMesh)

@@ -6,26 +6,28 @@
 #include <corotet/core/buffer.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/revision.hpp>
+#include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
-#include <corotet/dynamics/step_equation.hpp>
+#include <corotet/dynamics/linearized_step.hpp>
+#include <corotet/dynamics/time_step.hpp>
 #include <corotet/solve/range_sum.hpp>
 #include <limits>
 
 namespace corotet::inline v0_1 {
 
-/// The energy after a step against that before it and what forces, gravity and pins have given. Backward Euler, solved,
+/// The energy after a step against that before it and what terms and pins have given. Backward Euler, solved,
 /// never gains any where the elastic energy is convex along the step: v' . M (v' - v) >= (v' . M v' - v . M v) / 2 and
 /// W(x') - W(x) <= -(x' - x) . f(x'). One linear solve may: bodies that hardly change their volume, which a step along
 /// straight lines stretches, gain a tenth of a swing's energy at nu = 0.499.
 ///
 /// Not known, and not asked for, in steps in which pins lead a body with stiffness damping.
 template <class Body>
-class EnergyBalance {
+class EnergyBound {
  public:
   using Scalar = typename Body::scalar_type;
-  using Equation = StepEquation<Body>;
+  using Equation = LinearizedStep<Body>;
 
-  explicit EnergyBalance(const Body& body)
+  explicit EnergyBound(const Body& body)
       : scratch_(body.law().mean_dilatation().scratch_size()),
         sums_(body.vertex_count()),
         vertices_(body.vertex_count()) {}
@@ -35,8 +37,10 @@ class EnergyBalance {
     return body.law().energy(displacement, scratch_);
   }
 
-  /// Before a step. `evaluated`: what the equation has evaluated last is the body's present displacement.
-  void begin(const Body& body, const Equation& equation, bool evaluated) {
+  /// Before a step. `evaluated`: what the equation has evaluated last is the body's present displacement. `terms`: the
+  /// energy of its terms there, J.
+  void begin(const Body& body, const Equation& equation, bool evaluated, double terms) {
+    terms_ = terms;
     if (revision_ == body.revision())
       elastic_ = elastic_after_;
     else
@@ -44,9 +48,10 @@ class EnergyBalance {
   }
 
   /// After the solve, from `velocity_before` and the body's displacement to these. Kinetic energy is as seen from the
-  /// frame in which the step was solved.
-  void solved(const Body& body, const Equation& equation, const Field<Scalar>& velocity_before,
-              const Field<Scalar>& displacement, const Field<Scalar>& velocity, ExecutorRef executor) {
+  /// frame in which the step was solved. Terms without an energy give the work of their impulses; `terms`: the energy
+  /// of the others now, J.
+  void solved(const Body& body, const Equation& equation, Scalar gamma, const Field<Scalar>& velocity_before,
+              const Field<Scalar>& displacement, const Field<Scalar>& velocity, double terms, ExecutorRef executor) {
     const auto in_double = [](const Field<Scalar>& field) {
       return [&field](Index i) -> Vec3<double> { return field[at(i)].template cast<double>(); };
     };
@@ -57,7 +62,7 @@ class EnergyBalance {
         const auto of = [&](auto&& x) { return body.mass().row_product(*body.pattern(), i, x); };
         const Vec3<double> moved = (displacement[at(i)] - body.displacements()[at(i)]).template cast<double>();
         const Vec3<double> given =
-            (equation.external_force(body, i) + body.mass().row_sum(i) * body.gravity()).template cast<double>();
+            equation.terms().working_impulse(i, gamma).template cast<double>() / static_cast<double>(gamma);
         part[0] +=
             (v1(i) - v0(i)).dot(of([&](Index j) -> Vec3<double> { return v1(j) + v0(j); })) / 2 - moved.dot(given);
         const Vec3<double> momentum = of(v1);
@@ -66,7 +71,7 @@ class EnergyBalance {
       }
       return part;
     });
-    gained_ = sums[0];
+    gained_ = sums[0] + terms - terms_;
     kinetic_ = sums[1] - Vec3<double>::load(&sums[2]).squaredNorm() / (2 * body.mass().total());
   }
 
@@ -74,35 +79,45 @@ class EnergyBalance {
   /// of second order has either sign: what they gain is summed until it is paid back, or forgotten after one of
   /// backward Euler, and may be `most_gain` of the elastic energy before and after and the kinetic one about the mean
   /// motion. The fields are those before.
-  [[nodiscard]] bool is_upset(const Body& body, const StepFormula<Scalar>& formula,
-                              const Field<Scalar>& displacement_before, const Field<Scalar>& velocity_before,
-                              Equation& equation, ExecutorRef executor) {
+  [[nodiscard]] bool exceeds(const Body& body, const TimeStep<Scalar>& step, const Field<Scalar>& displacement_before,
+                             const Field<Scalar>& velocity_before, Equation& equation, ExecutorRef executor) {
     const DeformationExtremes worst = equation.worst();
     elastic_after_ = worst.energy;
     revision_ = body.revision();
-    const bool second_order = formula.ahead.has_value();
+    const bool second_order = !step.is_first_order();
     if (!second_order) excess_ = 0;
     if (worst.largest_stress2 < least_stress * least_stress) return false;
     double gained = gained_ + elastic_after_ - elastic_;
-    for (const Index p : body.pins().vertices()) {  // the work of what leads them
-      const bool moved = body.displacements()[at(p)] != displacement_before[at(p)];
-      if (moved && body.damping().stiffness > 0) return false;  // which would need K' here
+    const auto& pins = body.pins();
+    for (std::size_t k = 0; k < pins.vertices().size(); ++k) {  // the work of what leads them
+      const Index p = pins.vertices()[k];
+      Vec3<Scalar> moved = body.displacements()[at(p)] - displacement_before[at(p)];
+      for (int i = 0; i < 3; ++i)
+        if (!pins.axes()[k][i]) moved[i] = 0;
+      if (!moved.isZero() && equation.terms().damping().stiffness > 0) return false;  // which would need K' here
       const auto change = [&](Index j) -> Vec3<Scalar> { return body.velocities()[at(j)] - velocity_before[at(j)]; };
-      const Vec3<Scalar> pull =
-          body.mass().row_product(*body.pattern(), p, change) / formula.h - equation.force(body, p) +
-          static_cast<Scalar>(body.damping().mass) * body.mass().row_product(*body.pattern(), p, body.velocities());
-      gained -= static_cast<double>(pull.dot(body.displacements()[at(p)] - displacement_before[at(p)]));
+      const Vec3<Scalar> pull = body.mass().row_product(*body.pattern(), p, change) / step.h - equation.force(body, p) +
+                                static_cast<Scalar>(equation.terms().damping().mass) *
+                                    body.mass().row_product(*body.pattern(), p, body.velocities());
+      gained -= static_cast<double>(pull.dot(moved));
     }
     const double stored = elastic_after_ + elastic_;
     if (second_order) gained = excess_ = (std::max)(0.0, excess_ + gained);
     if (!(gained > (rounding + (second_order ? most_gain : 0)) * (stored + kinetic_))) return false;
-    return gained > noise(stored, equation.position_rounding(body, formula.c, executor));
+    return gained > noise(stored, equation.position_rounding(body, step.gamma, executor));
   }
 
   /// What rounding may add to an elastic energy, J: relative to itself, and by the forces on positions that are rounded
   /// at random, sqrt(J) in all.
   [[nodiscard]] double noise(double energy, double position_rounding) const {
     return rounding * energy + position_rounding * (std::sqrt(2 * energy / vertices_) + position_rounding / vertices_);
+  }
+
+  /// For snapshots.
+  void visit_state(detail::StateArchive& archive, const Body& body) {
+    archive(elastic_after_);
+    archive(excess_);
+    detail::visit_revision(archive, revision_, body.revision());
   }
 
  private:
@@ -115,7 +130,7 @@ class EnergyBalance {
   detail::Buffer<double> scratch_;
   RangeSums<5> sums_;
   double vertices_;
-  double elastic_ = 0, elastic_after_ = 0, gained_ = 0, kinetic_ = 0, excess_ = 0;  // J
+  double elastic_ = 0, elastic_after_ = 0, terms_ = 0, gained_ = 0, kinetic_ = 0, excess_ = 0;  // J
   Revision revision_;  // of the body that has elastic_after_
 };
 
