@@ -25,7 +25,7 @@ class StateArchive {
   enum class Mode : std::uint8_t {
     measure,  ///< counts bytes
     write,
-    check,  ///< goes through bytes and compares what must agree, changes nothing
+    compare,  ///< goes through bytes and compares what must agree, changes nothing
     read    ///< replaces the state
   };
 
@@ -75,7 +75,7 @@ class StateArchive {
   void list(std::vector<T>& several) {
     std::uint64_t count = several.size();
     numbers(&count, sizeof count, 1, true);
-    if (mode_ == Mode::check) return skip(sizeof(T) * count);
+    if (mode_ == Mode::compare) return skip(sizeof(T) * count);
     if (mode_ == Mode::read) several.resize(static_cast<std::size_t>(count));
     for (T& each : several) (*this)(each);
   }
@@ -84,7 +84,7 @@ class StateArchive {
   void expect(std::uint64_t value) {
     std::uint64_t stored = value;
     numbers(&stored, sizeof stored, 1, true);
-    if (mode_ == Mode::check && stored != value) ok_ = false;
+    if (mode_ == Mode::compare && stored != value) ok_ = false;
   }
 
  private:
@@ -107,7 +107,7 @@ class StateArchive {
     if (mode_ == Mode::write && bytes <= out_.size() - place_) {
       copy(out_.data() + place_, object, size, count);
       add_to_hash(out_.subspan(place_, bytes));
-    } else if ((mode_ == Mode::read || mode_ == Mode::check) && ok_ && bytes <= in_.size() - place_) {
+    } else if ((mode_ == Mode::read || mode_ == Mode::compare) && ok_ && bytes <= in_.size() - place_) {
       if (mode_ == Mode::read || always) copy(object, in_.data() + place_, size, count);
       add_to_hash(in_.subspan(place_, bytes));
     } else if (mode_ != Mode::measure) {

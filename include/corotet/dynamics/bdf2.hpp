@@ -56,6 +56,7 @@ class Bdf2Scheme {
 
   [[nodiscard]] TimeStep<Scalar> discretize(const Body& body, Scalar h, ExecutorRef executor) {
     if (motion_ != body.motion_revision() || h > 2 * last_h_) return backward_euler(body, h);
+    if (shift_ != body.origin_shift()) follow_origin(body);
     if (pins_ != body.pins().revision()) forget_released(body);
     const Scalar w = h / last_h_;
     const Scalar time = extrapolate(body, h, w * w / (1 + 2 * w), executor);
@@ -72,6 +73,7 @@ class Bdf2Scheme {
     last_position_.swap(displacement);
     last_velocity_.swap(velocity);
     last_h_ = h;
+    shift_ = body.origin_shift();
     motion_ = report.inverted_elements == 0 ? body.motion_revision() : Revision{};
     if (pins_ == body.pins().revision()) return;
     pins_ = body.pins().revision();
@@ -83,12 +85,19 @@ class Bdf2Scheme {
     archive(last_position_);
     archive(last_velocity_);
     archive(last_h_);
+    archive(shift_);
     archive(pinned_);
     detail::visit_revision(archive, motion_, body.motion_revision());
     detail::visit_revision(archive, pins_, body.pins().revision());
   }
 
  private:
+  void follow_origin(const Body& body) {
+    const Vec3<Scalar> shift = (body.origin_shift() - shift_).template cast<Scalar>();
+    for (Vec3<Scalar>& x : last_position_) x -= shift;
+    shift_ = body.origin_shift();
+  }
+
   /// What was pinned in the last step and is free now has no history but its present velocity.
   void forget_released(const Body& body) {
     for (Index v = 0; v < body.vertex_count(); ++v)
@@ -140,7 +149,8 @@ class Bdf2Scheme {
   RangeSums<9> sums_;
   Field<Scalar> last_position_, last_velocity_;  // before the last step
   Field<Scalar> x_history_, v_history_;
-  detail::Buffer<PinnedAxes> pinned_;  // in the last step
+  detail::Buffer<PinnedAxes> pinned_;          // in the last step
+  Vec3<double> shift_ = Vec3<double>::Zero();  // of the body's origin, to which last_position_ refers
   Scalar last_h_ = 0;
   Revision pins_;
   Revision motion_;  // of the state after the last step, if it can be continued

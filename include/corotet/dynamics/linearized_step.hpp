@@ -73,6 +73,7 @@ class LinearizedStep {
                                         std::span<const Vec3<Scalar>> velocity, ExecutorRef executor) const {
     TermState<Scalar> state;
     state.rest = body.mesh().positions();
+    state.origin = body.origin();
     state.displacement = displacement;
     state.velocities = velocity;
     state.mass = &body.mass();

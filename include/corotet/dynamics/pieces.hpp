@@ -41,6 +41,7 @@ class Pieces {
   /// Before a step: what the pieces are to know of the body.
   void take_from(const Body& body) {
     if (materials_ != body.material_revision()) take_materials(body);
+    if (shift_ != body.origin_shift()) take_shift(body);
     if (motion_ != body.motion_revision()) take_motion(body);
     if (pins_ != body.pins().revision()) release_pins(body);
     for (std::size_t p = 0; p < body.pins().vertices().size(); ++p) {
@@ -70,6 +71,7 @@ class Pieces {
     detail::visit_revision(archive, motion_, body.motion_revision());
     detail::visit_revision(archive, materials_, body.material_revision());
     detail::visit_revision(archive, pins_, body.pins().revision());
+    archive(shift_);
     for (Piece& piece : pieces_) piece.body.visit_state(archive);
   }
 
@@ -148,6 +150,11 @@ class Pieces {
     materials_ = body.material_revision();
   }
 
+  void take_shift(const Body& body) {
+    for (Piece& piece : pieces_) piece.body.rebase((body.origin_shift() - shift_).template cast<Scalar>());
+    shift_ = body.origin_shift();
+  }
+
   void take_motion(const Body& body) {
     Field<Scalar>& field = velocity_;  // free until the step has been made
     for (Piece& piece : pieces_) {
@@ -171,6 +178,7 @@ class Pieces {
   std::vector<Piece> pieces_;
   std::vector<Index> piece_of_, local_;  // one a vertex of the whole body
   Field<Scalar> displacement_, velocity_;
+  Vec3<double> shift_ = Vec3<double>::Zero();  // of the body's origin, as the pieces know it
   Index piece_count_ = 0;
   Revision motion_, materials_, pins_;  // of the body, as the pieces know it
 };

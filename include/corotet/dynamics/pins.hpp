@@ -72,6 +72,11 @@ class Pins {
     revision_ = new_revision();
   }
 
+  /// Adds `shift` to all targets: for a body whose origin moves.
+  void translate(const Vec3<Scalar>& shift) {
+    for (Vec3<Scalar>& target : targets_) target += shift;
+  }
+
   [[nodiscard]] bool is_pinned(Index vertex) const {
     return vertex >= 0 && vertex < size_of(slot_) && slot_[at(vertex)] != none;
   }

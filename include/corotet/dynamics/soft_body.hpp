@@ -23,9 +23,9 @@
 namespace corotet::inline v0_1 {
 
 /// A BodyModel, which copies share, and a state. The state is a displacement from rest and a velocity, not a world
-/// position, so that float keeps its digits wherever the rest shape lies: all positions are relative to
-/// `mesh().origin()`. (A body that then travels many times its size has a large displacement, and loses them again: see
-/// `set_state`.) An integrator (ImplicitEuler) moves it.
+/// position, so that float keeps its digits wherever the rest shape lies: all positions are relative to `origin()`. A
+/// body that then travels many times its size has a large displacement, and loses them again, until `rebase` moves the
+/// origin after it. An integrator (ImplicitEuler) moves it.
 template <std::floating_point Scalar, ReferenceElement Element = Tet4, RotationExtractor Rotation = Polar>
 class SoftBody {
  public:
@@ -55,7 +55,12 @@ class SoftBody {
   [[nodiscard]] const Field<Scalar>& displacements() const { return displacement_; }
   [[nodiscard]] const Field<Scalar>& velocities() const { return velocity_; }
 
-  /// Where a vertex is now, m, relative to `mesh().origin()`.
+  /// Of the body's coordinates in the world, m: mesh().origin() until `rebase` moves it.
+  [[nodiscard]] Vec3<double> origin() const { return mesh().origin() + shift_; }
+  /// By how much it has moved, m.
+  [[nodiscard]] const Vec3<double>& origin_shift() const { return shift_; }
+
+  /// Where a vertex is now, m, relative to `origin()`.
   [[nodiscard]] Vec3<Scalar> position(Index vertex) const {
     return mesh().position(vertex) + displacement_[at(vertex)];
   }
@@ -63,6 +68,16 @@ class SoftBody {
   /// Replaces the state. Errors: invalid_argument (length), non_finite_value (names the vertex); nothing changes then.
   COROTET_COLD Result<void> set_displacements(std::span<const Vec3<Scalar>> displacement);
   COROTET_COLD Result<void> set_velocities(std::span<const Vec3<Scalar>> velocity);
+
+  /// Moves the body to world positions (m) and sets its velocities (m/s), one a vertex; the origin moves along, so that
+  /// displacements are as small as may be. Pins keep their places in the world. Errors as before; nothing changes then.
+  COROTET_COLD Result<void> set_state(std::span<const Vec3<double>> positions, std::span<const Vec3<Scalar>> velocity);
+
+  /// Moves the origin to where the mean displacement is zero, which gives float its digits back. Nothing moves in the
+  /// world, and integrators go on as if nothing had happened.
+  void rebase();
+  /// The same by a given shift, m.
+  void rebase(const Vec3<Scalar>& shift);
 
   /// Vertices held in place or led along a path.
   [[nodiscard]] Pins<Scalar>& pins() { return pins_; }
@@ -81,7 +96,7 @@ class SoftBody {
     return count;
   }
 
-  /// Leads a pinned vertex: it will be at `position` (m, relative to the origin) after the next step.
+  /// Leads a pinned vertex: it will be at `position` (m, relative to `origin()`) after the next step.
   void move_pin(Index vertex, const Vec3<Scalar>& position) {
     COROTET_ASSERT(pins_.is_pinned(vertex), "pin the vertex before moving it");
     if (pins_.is_pinned(vertex)) pins_.move(vertex, position - mesh().position(vertex));
@@ -133,6 +148,7 @@ class SoftBody {
   RayleighDampingTerm<Scalar> damping_;
   Pins<Scalar> pins_;
   Field<Scalar> displacement_, velocity_;
+  Vec3<double> shift_ = Vec3<double>::Zero();  // of the origin, m
   Revision revision_ = new_revision();
   Revision motion_revision_ = revision_;
 };
@@ -174,6 +190,43 @@ Result<void> SoftBody<Scalar, Element, Rotation>::set_velocities(std::span<const
 }
 
 template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
+Result<void> SoftBody<Scalar, Element, Rotation>::set_state(std::span<const Vec3<double>> positions,
+                                                            std::span<const Vec3<Scalar>> velocity) {
+  if (positions.size() != displacement_.size())
+    return detail::error(ErrorCode::invalid_argument, {"positions"},
+                         {"there are ", positions.size(), " for ", displacement_.size(), " vertices"});
+  Vec3<double> mean = Vec3<double>::Zero();
+  const auto moved = [&](std::size_t v) -> Vec3<double> {
+    return positions[v] - mesh().origin() - mesh().positions()[v].template cast<double>();
+  };
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    if (!(positions[v].template cast<Scalar>()).allFinite())
+      return detail::error(ErrorCode::non_finite_value, {"positions of vertex ", v},
+                           {"is not finite, or too large for this precision"});
+    mean += moved(v) / static_cast<double>(positions.size());
+  }
+  if (Result<void> s = set_velocities(velocity); !s) return s;
+  rebase((mean - shift_).template cast<Scalar>());
+  for (std::size_t v = 0; v < positions.size(); ++v) displacement_[v] = (moved(v) - shift_).template cast<Scalar>();
+  revision_ = motion_revision_ = new_revision();
+  return {};
+}
+
+template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
+void SoftBody<Scalar, Element, Rotation>::rebase() {
+  Vec3<double> mean = Vec3<double>::Zero();
+  for (const Vec3<Scalar>& u : displacement_) mean += u.template cast<double>();
+  rebase((mean / static_cast<double>(displacement_.size())).template cast<Scalar>());
+}
+
+template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
+void SoftBody<Scalar, Element, Rotation>::rebase(const Vec3<Scalar>& shift) {
+  for (Vec3<Scalar>& u : displacement_) u -= shift;
+  pins_.translate(-shift);
+  shift_ += shift.template cast<double>();
+}
+
+template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
 Result<void> SoftBody<Scalar, Element, Rotation>::set_materials(const Materials& materials) {
   auto model = model_->with_materials(materials);
   if (!model) return model.error();
@@ -192,6 +245,7 @@ void SoftBody<Scalar, Element, Rotation>::reset() {
 template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
 void SoftBody<Scalar, Element, Rotation>::visit_state(detail::StateArchive& archive) {
   archive(displacement_);
+  archive(shift_);
   archive(velocity_);
   archive(nodal_force_.force);
   archive(gravity_.acceleration);

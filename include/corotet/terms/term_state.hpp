@@ -34,7 +34,7 @@ struct PieceVertices {
   [[nodiscard]] std::size_t index(Index vertex) const { return local.empty() ? at(vertex) : at(local[at(vertex)]); }
 };
 
-/// A state of a body, for StepTerm. Positions and velocities are in space and relative to the mesh's origin, also where
+/// A state of a body, for StepTerm. Positions are in space and relative to `origin`, velocities in space, also where
 /// the step is solved in a frame that turns with the body.
 ///
 /// A body of several pieces that do not touch is stepped piece by piece: a term then sees one piece at a time and skips
@@ -44,6 +44,7 @@ struct TermState {
   std::span<const Vec3<Scalar>> rest;          ///< m, one a vertex of the piece
   std::span<const Vec3<Scalar>> displacement;  ///< m, in the frame
   std::span<const Vec3<Scalar>> velocities;    ///< m/s, in the frame
+  Vec3<double> origin = Vec3<double>::Zero();  ///< of all positions in the world, m: SoftBody::origin()
   TurningPlacement<Scalar> frame;
   const Mass<Scalar>* mass = nullptr;  ///< of the piece
   PieceVertices piece;

@@ -1,0 +1,123 @@
+// What copies of a body share, and bodies that travel far.
+#include <corotet/dynamics/bdf2.hpp>
+#include <corotet/dynamics/implicit_euler.hpp>
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "support/bodies.hpp"
+#include "support/solver_choice.hpp"
+
+namespace corotet::body_model_test {
+namespace {
+
+using testing::must;
+
+template <class K>
+class ModelledBody : public ::testing::Test {
+ public:
+  using Real = typename K::Scalar;
+  using Body = SoftBody<Real, typename K::Element>;
+  static constexpr Real h = Real(1) / 60;
+
+  static Body bar() {
+    return must(Body::create(testing::block<Real, typename K::Element>({.size = {1, 0.2, 0.2}, .cells = {5, 1, 1}}),
+                             Material{.young = 2e5, .poisson = 0.3, .density = 1000}));
+  }
+};
+TYPED_TEST_SUITE(ModelledBody, testing::AllCases);
+
+/// Copies share the model and nothing else; new materials are one body's alone.
+TYPED_TEST(ModelledBody, IsSharedByCopies) {
+  const auto body = this->bar();
+  std::vector<typename TestFixture::Body> copies(1000, body);
+  for (const auto& copy : copies) ASSERT_EQ(copy.model(), body.model());
+  must(copies[7].set_materials(Material{.young = 1e6, .poisson = 0.2, .density = 500}));
+  EXPECT_NE(copies[7].model(), body.model());
+  EXPECT_EQ(copies[8].model(), body.model());
+  EXPECT_EQ(copies[7].pattern(), body.pattern()) << "the same mesh: integrators of the others serve";
+  EXPECT_NEAR(copies[7].mass().total(), body.mass().total() / 2, 1e-6 * body.mass().total());
+  EXPECT_NE(copies[7].model()->fingerprint(), body.model()->fingerprint());
+  EXPECT_EQ(this->bar().model()->fingerprint(), body.model()->fingerprint()) << "of the same in another program, too";
+}
+
+/// A body made of a shared model is that model's body at rest.
+TYPED_TEST(ModelledBody, MakesBodies) {
+  using Scalar = typename TypeParam::Scalar;
+  auto first = this->bar();
+  typename TestFixture::Body second(first.model());
+  ImplicitEuler euler(first, testing::solver()), copy = euler;
+  for (auto* body : {&first, &second}) {
+    body->pin_where([](const Vec3<Scalar>& x) { return x.x() == 0; });
+    body->set_gravity({0, 0, Scalar(-9.81)});
+  }
+  for (int step = 0; step < 20; ++step) {
+    euler.step(first, this->h);
+    copy.step(second, this->h);
+  }
+  EXPECT_EQ(first.displacements(), second.displacements());
+}
+
+TYPED_TEST(ModelledBody, RefusesCouplingsThatMeanNothing) {
+  const auto mesh = this->bar().mesh();
+  const Material material;
+  using Body = typename TestFixture::Body;
+  EXPECT_FALSE(Body::create(mesh, material, {.couplings = {.start = {0, 2}, .vertex = {0, mesh.vertex_count()}}}).ok());
+  EXPECT_FALSE(Body::create(mesh, material, {.couplings = {.start = {0, 3}, .vertex = {0, 1}}}).ok());
+  EXPECT_TRUE(Body::create(mesh, material, {.couplings = {.start = {0, 2}, .vertex = {0, 1}}}).ok());
+}
+
+/// A body that flies far away loses digits in float, and gets them back; what it does is not disturbed.
+TYPED_TEST(ModelledBody, IsRebasedInFlight) {
+  using Scalar = typename TypeParam::Scalar;
+  const auto fly = [&](auto&& make_integrator, bool rebases) {
+    auto body = this->bar();
+    Field<Scalar> v = testing::spin_of(body.mesh(), {0, 2, 5});
+    for (auto& each : v) each += Vec3<Scalar>(300, 0, 0);
+    must(body.set_velocities(v));
+    body.pins().pin(0, {0, 0, 0});
+    body.pins().release(0);
+    auto integrator = make_integrator(body);
+    for (int step = 0; step < 120; ++step) {
+      EXPECT_TRUE(integrator.step(body, this->h).accepted());
+      if (rebases) body.rebase();
+    }
+    Field<double> shape;
+    for (Index i = 0; i < body.vertex_count(); ++i)
+      shape.push_back((body.position(i) - body.position(0)).template cast<double>());
+    const Vec3<double> there = body.origin() + body.position(0).template cast<double>();
+    shape.push_back(there - Vec3<double>(600, 0, 0));
+    return shape;
+  };
+  const auto euler = [](const auto& body) { return ImplicitEuler(body, testing::solver({.tolerance = 1e-5})); };
+  const auto bdf2 = [](const auto& body) { return Bdf2(body, testing::solver({.tolerance = 1e-5})); };
+  const auto compare = [&](const auto& stays, const auto& moves, double tolerance) {
+    for (std::size_t i = 0; i < stays.size(); ++i) EXPECT_LT((stays[i] - moves[i]).norm(), tolerance) << i;
+  };
+  const double tolerance = sizeof(Scalar) == 8 ? 1e-7 : 2e-3;  // float at 600 m: 6e-5 m
+  compare(fly(euler, false), fly(euler, true), tolerance);
+  compare(fly(bdf2, false), fly(bdf2, true), 5 * tolerance);
+}
+
+/// Put anywhere in the world: displacements stay small, pins stay where they are.
+TYPED_TEST(ModelledBody, IsPutAnywhere) {
+  using Scalar = typename TypeParam::Scalar;
+  auto body = this->bar();
+  body.pins().pin(2, {Scalar(0.125), 0, 0});
+  Field<double> there;
+  for (const auto& x : body.mesh().positions()) there.push_back(x.template cast<double>() + Vec3<double>(1e6, -2e5, 3));
+  must(body.set_state(there, Field<Scalar>(there.size(), Vec3<Scalar>(1, 2, 3))));
+  for (Index v = 0; v < body.vertex_count(); ++v) {
+    EXPECT_LT((body.origin() + body.position(v).template cast<double>() - there[at(v)]).norm(), 1e-6);
+    EXPECT_LT(body.displacements()[at(v)].norm(), Scalar(0.1));
+    EXPECT_EQ(body.velocities()[at(v)], (Vec3<Scalar>(1, 2, 3)));
+  }
+  const Vec3<double> pinned =
+      body.origin() + (body.mesh().position(2) + body.pins().targets()[0]).template cast<double>();
+  EXPECT_LT((pinned - body.mesh().position(2).template cast<double>() - Vec3<double>(0.125, 0, 0)).norm(),
+            sizeof(Scalar) == 8 ? 1e-9 : 0.1);
+  EXPECT_FALSE(body.set_state(std::span(there).first(3), body.velocities()).ok());
+}
+
+}  // namespace
+}  // namespace corotet::body_model_test
