@@ -49,7 +49,7 @@ Shape hang(const TetMesh<double, Tet10>& mesh, double q, Then&& then) {
   const Index tip = beam::hang(*body);
   const double rest_volume = volume(*body);
   Shape shape;
-  shape.settled = beam::settle(*body);
+  shape.settled = solve_static(*body).converged;
   shape.volume = volume(*body) / rest_volume;
   shape.tip_moved = body->displacements()[at(tip)];
   then(*body);

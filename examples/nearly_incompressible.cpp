@@ -50,7 +50,7 @@ std::optional<double> deflection(const MeshData& data, double poisson, Dilatatio
   auto body = make_beam<double, Element>(data, q, poisson, dilatation);
   if (!body) return std::nullopt;
   const Index tip = beam::hang(*body);
-  if (!beam::settle(*body)) return std::nullopt;
+  if (!solve_static(*body).converged) return std::nullopt;
   return -body->displacements()[at(tip)].z() / (q / 8 * beam::length);
 }
 

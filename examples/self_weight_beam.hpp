@@ -2,7 +2,7 @@
 #pragma once
 
 #include <algorithm>
-#include <corotet/dynamics/implicit_euler.hpp>
+#include <corotet/dynamics/static_solve.hpp>
 #include <corotet/mesh/make_block.hpp>
 #include <cstdio>
 #include <utility>
@@ -53,21 +53,6 @@ corotet::Index hang(Body& body) {
   return body.mesh().nearest_vertex({Scalar(length), 0, 0});
 }
 
-/// Steps until nothing moves: the static shape. Long steps of backward Euler damp strongly, so this takes some tens.
-/// False if a step went wrong or the body does not come to rest.
-template <class Body>
-bool settle(Body& body, double h = 0.3, int most_steps = 2000) {
-  using Scalar = typename Body::scalar_type;
-  corotet::ImplicitEuler euler(body, corotet::SolverOptions{.tolerance = 1e-8});
-  for (int i = 0; i < most_steps; ++i) {
-    if (!euler.step(body, Scalar(h)).ok()) return false;
-    double fastest = 0;
-    for (const auto& v : body.velocities()) fastest = std::max(fastest, double(v.norm()));
-    if (fastest < 1e-7) return true;
-  }
-  return false;
-}
-
 /// Lets a mesh of the beam sag, stiff enough for the formula of small deflections, and prints how it compares.
 template <class Element>
 bool sag(corotet::MeshData data) {
@@ -78,7 +63,7 @@ bool sag(corotet::MeshData data) {
   auto body = SoftBody<double, Element>::create(*mesh, m);
   if (!body) return std::fprintf(stderr, "%s\n", body.error().message().c_str()), false;
   const Index tip = hang(*body);
-  if (!settle(*body)) return std::fprintf(stderr, "the beam does not come to rest\n"), false;
+  if (!solve_static(*body).converged) return std::fprintf(stderr, "the beam does not come to rest\n"), false;
   const double drop = -body->displacements()[at(tip)].z(), expected = timoshenko_tip(m);
   std::printf("order %d: %5d vertices, %5d elements, the tip drops by %.5f m, Timoshenko %.5f m, ratio %.4f\n",
               Element::order, mesh->vertex_count(), mesh->element_count(), drop, expected, drop / expected);

@@ -4,6 +4,7 @@
 
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
+#include <corotet/dynamics/static_report.hpp>
 #include <corotet/dynamics/step_report.hpp>
 #include <corotet/material/material.hpp>
 #include <corotet/mesh/mesh_data.hpp>
@@ -77,6 +78,9 @@ class Simulation {
 
   /// Advances by `h` s; tells `clock` of the step's phases.
   virtual StepReport step(double h, ThreadPool& pool, PhaseClock& clock) = 0;
+
+  /// Moves the body to where it rests.
+  virtual StaticReport solve_static(ThreadPool& pool) = 0;
 
   [[nodiscard]] virtual Vec3<double> position(Index vertex) const = 0;
   [[nodiscard]] virtual Vec3<double> displacement(Index vertex) const = 0;

@@ -8,6 +8,7 @@
 #include <corotet/dynamics/bdf2.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <corotet/dynamics/soft_body.hpp>
+#include <corotet/dynamics/static_solve.hpp>
 #include <corotet/embed/embedded_surface.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
 #include <corotet/rotation/gram_schmidt.hpp>
@@ -91,6 +92,8 @@ class TypedSimulation final : public Simulation {
   StepReport step(double h, ThreadPool& pool, PhaseClock& clock) override {
     return std::visit([&](auto& i) { return i.step(body_, static_cast<Scalar>(h), pool, clock); }, integrator_);
   }
+
+  StaticReport solve_static(ThreadPool& pool) override { return corotet::solve_static(body_, {}, {.executor = pool}); }
 
   [[nodiscard]] Vec3<double> position(Index vertex) const override { return rest(vertex) + displacement(vertex); }
   [[nodiscard]] Vec3<double> displacement(Index vertex) const override {
@@ -181,8 +184,8 @@ class TypedSimulation final : public Simulation {
                                (unused_vertex ? "; `corotet mesh --from FILE --clean` writes a mesh without it" : ""));
     }
     problems.stop_if_any();
-    return require(
-        Body::create(std::move(checked).value(), scene.material, {scene.mass, scene.damping, scene.dilatation}));
+    return require(Body::create(std::move(checked).value(), scene.material,
+                                {.mass = scene.mass, .damping = scene.damping, .dilatation = scene.dilatation}));
   }
 
   [[nodiscard]] Vec3<double> rest(Index vertex) const {

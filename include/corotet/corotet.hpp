@@ -89,6 +89,7 @@
 #include <corotet/dynamics/pins.hpp>
 #include <corotet/dynamics/snapshot.hpp>
 #include <corotet/dynamics/soft_body.hpp>
+#include <corotet/dynamics/static_report.hpp>
 #include <corotet/dynamics/static_solve.hpp>
 #include <corotet/dynamics/step_bodies.hpp>
 #include <corotet/dynamics/step_check.hpp>

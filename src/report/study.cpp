@@ -89,7 +89,7 @@ class Runner {
   }
 
  private:
-  /// A step, timed unless it belongs to the way to rest. False if it was refused.
+  /// A step. False if it was refused.
   bool advance(double h) {
     clock_.start();
     const StepReport report = simulation_->step(h, pool_, clock_);
@@ -101,27 +101,19 @@ class Runner {
     ++result_.steps;
     // The first makes the factors: it belongs to the set-up.
     if (result_.steps == 1) result_.setup_ms += clock_.total_ms();
-    if (!settling_ && (result_.steps > 1 || study_.steps(h) == 1)) times_.push_back(clock_.total_ms());
+    if (result_.steps > 1 || study_.steps(h) == 1) times_.push_back(clock_.total_ms());
     iterations_ += report.iterations;
-    // Near rest there is nothing left to solve for, and rounding is all that a tolerance could be relative to.
-    if (!(report.converged && report.newton_converged) && !settling_) ++unconverged_;
+    if (!(report.converged && report.newton_converged)) ++unconverged_;
     inverted_ = report.inverted_elements;
     return true;
   }
 
-  /// Long steps of backward Euler damp strongly, so this takes some tens of them.
   void settle() {
-    settling_ = true;
-    const double still = size_ * (scene_.scalar == ScalarKind::single_precision ? 2e-6 : 1e-9);
-    constexpr int most_steps = 1000;
-    for (int step = 0; step < most_steps; ++step) {
-      if (!advance(study_.settling_dt)) return;
-      double farthest = 0;  // that a vertex went in this step
-      for (Index v = 0; v < result_.facts.vertices; ++v)
-        farthest = std::max(farthest, simulation_->velocity(v).norm() * study_.settling_dt);
-      if (farthest < still) return;
-    }
-    result_.status = fmt::format("not at rest after {} long steps", most_steps);
+    const StaticReport report = simulation_->solve_static(pool_);
+    result_.steps += report.steps;
+    iterations_ += report.iterations;
+    inverted_ = report.last.inverted_elements;
+    if (!report.converged) result_.status = fmt::format("not at rest: {}", report.advice());
   }
 
   void finish() {
@@ -148,7 +140,6 @@ class Runner {
   std::vector<double> times_;  // ms
   double iterations_ = 0;
   int unconverged_ = 0;
-  bool settling_ = false;
   Index inverted_ = 0;
   double size_ = 0;  // m
 };

@@ -49,8 +49,7 @@ struct Study {
   std::vector<Vec3<double>> probes;      ///< rest positions, m
   double duration = 1;                   ///< s, a multiple of sample_interval
   double sample_interval = 1.0 / 30;     ///< s, a multiple of each dt of the study
-  bool at_rest = false;                  ///< only the state of rest counts: long steps follow until nothing moves
-  double settling_dt = 0.3;              ///< s
+  bool at_rest = false;                  ///< only the state of rest counts: it is solved for after the steps
   std::vector<ClosedForm> closed_forms;  ///< measured on each run
 
   // What the matrix is made of.

@@ -1,5 +1,5 @@
 // Static answers against theory: patch test, Timoshenko's beam, and a beam that bends far under its own weight.
-#include <corotet/dynamics/implicit_euler.hpp>
+#include <corotet/dynamics/static_solve.hpp>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,28 +11,6 @@ namespace corotet::static_accuracy_test {
 namespace {
 
 using testing::must;
-
-/// Steps of `h` (some periods of the slowest vibration, so that inertia hardly counts), each from standstill, while
-/// gravity grows to its full value over `ramp` steps: Newton's method with the warped stiffness. True once a step moves
-/// no vertex farther than `tolerance`, m.
-template <class Body>
-bool settle(Body& body, double h, double tolerance, int ramp = 1) {
-  using Scalar = typename Body::scalar_type;
-  ImplicitEuler euler(body, SolverOptions{.method = SolverMethod::cholesky, .tolerance = 1e-9});
-  const Field<Scalar> still(at(body.vertex_count()), Vec3<Scalar>::Zero());
-  const Vec3<Scalar> gravity = body.gravity();
-  for (int step = 1; step <= 200; ++step) {
-    const Field<Scalar> before = body.displacements();
-    must(body.set_velocities(still));
-    body.set_gravity(gravity * std::min(Scalar(1), Scalar(step) / Scalar(ramp)));
-    if (!euler.step(body, Scalar(h)).accepted()) return false;
-    double moved = 0;
-    for (std::size_t v = 0; v < before.size(); ++v)
-      moved = std::max(moved, double((body.displacements()[v] - before[v]).norm()));
-    if (step > ramp && moved < tolerance) return true;
-  }
-  return false;
-}
 
 template <class T>
 class PatchTest : public ::testing::Test {};
@@ -68,7 +46,7 @@ TYPED_TEST(PatchTest, AffineBoundaryGivesTheAffineField) {
     ASSERT_GE(inside, 8);
     must(body.set_displacements(start));
     const double tolerance = sizeof(Scalar) == 4 ? 1e-5 : 1e-12;
-    EXPECT_TRUE(settle(body, 10, tolerance));
+    EXPECT_TRUE(solve_static(body, {.tolerance = tolerance, .solver = {.tolerance = 1e-6}}).converged);
     for (Index v = 0; v < body.vertex_count(); ++v)
       EXPECT_LT(double((body.displacements()[at(v)] - exact[at(v)]).norm()), 10 * tolerance);
   }
@@ -81,7 +59,7 @@ double small_deflection(Index cells_through, double poisson = 0, Dilatation dila
       {.size = {4, 1, 1}, .cells = {4 * cells_through, cells_through, cells_through}},
       {.young = 1e4, .poisson = poisson, .density = 1}, 1e-4,
       {.mass = MassModel::lumped, .damping = {}, .dilatation = dilatation});
-  EXPECT_TRUE(settle(body, 10, 1e-13));
+  EXPECT_TRUE(solve_static(body, {.tolerance = 1e-9}).converged);
   return -body.displacements()[at(body.mesh().nearest_vertex({4, 0.5, 0.5}))].z();
 }
 
@@ -134,7 +112,7 @@ TEST(LargeDeflection, Tet10WithTwoCellsThroughTheThicknessIsWithinOneAndAHalfPer
     auto body = testing::cantilever<double, Tet10>(
         {.corner = {0, -0.05, -0.05}, .size = {1, 0.1, 0.1}, .cells = {20, 2, 2}, .split = BlockSplit::kuhn6},
         {.young = 1e6, .poisson = row.poisson, .density = 1000}, row.load * 1e6 * (0.01 / 12) / 1000);
-    EXPECT_TRUE(settle(body, 0.2, 1e-6, 20)) << "q = " << row.load;
+    EXPECT_TRUE(solve_static(body).converged) << "q = " << row.load;
     const auto tip = body.displacements()[at(body.mesh().nearest_vertex({1, 0, 0}))];
     std::printf("q %g nu %g: dx %.5f (%.5f) dy %.5f (%.5f)\n", row.load, row.poisson, -tip.x(), row.dx, -tip.z(),
                 row.dy);
@@ -150,7 +128,7 @@ double bending(Index cells_through, BlockSplit split, double poisson, Dilatation
       {.size = {10, 1, 1}, .cells = {10 * cells_through, cells_through, cells_through}, .split = split},
       {.young = 1e4, .poisson = poisson, .density = 1}, 1e-6,
       {.mass = MassModel::lumped, .damping = {}, .dilatation = dilatation});
-  EXPECT_TRUE(settle(body, 1000, 1e-12));
+  EXPECT_TRUE(solve_static(body, {.tolerance = 1e-9}).converged);
   return -body.displacements()[at(body.mesh().nearest_vertex({10, 0.5, 0.5}))].z() / (1e-6 * 1e4 * 12 / (8 * 1e4));
 }
 

@@ -8,6 +8,7 @@
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/integrator.hpp>
 #include <corotet/dynamics/newton_options.hpp>
+#include <corotet/dynamics/static_report.hpp>
 #include <corotet/dynamics/step_context.hpp>
 #include <corotet/dynamics/step_report.hpp>
 #include <corotet/dynamics/time_step.hpp>
@@ -24,24 +25,6 @@ struct StaticOptions {
   int max_steps = 200;         ///< of pseudo-time
   int newton_iterations = 10;  ///< at most, in each of them
   SolverOptions solver = {.tolerance = 1e-4};
-};
-
-/// How `solve_static` ended.
-struct StaticReport {
-  bool converged = false;
-  int steps = 0;              ///< of pseudo-time that were accepted
-  int newton_iterations = 0;  ///< linear solves in these
-  int iterations = 0;         ///< of the linear solver, in all
-  double residual = 0;        ///< relative, see StaticOptions::tolerance
-  StepReport last;            ///< of the last step: whether it was refused, strain, inverted elements
-
-  /// What to change, in one sentence; "" if the body rests.
-  [[nodiscard]] const char* advice() const {
-    if (converged) return "";
-    if (!last.accepted()) return last.advice();
-    return "the body does not come to rest: pin each of its pieces so that it can neither move nor turn, or raise "
-           "max_steps";
-  }
 };
 
 /// A step from standstill: v' = gamma M^-1 f(x'), x' = x + gamma v'. It lowers the potential energy by the largest
