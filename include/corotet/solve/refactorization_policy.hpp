@@ -1,4 +1,4 @@
-// When what was factored once should be factored again.
+// When a lagged factor should be made again.
 #pragma once
 
 #include <algorithm>
@@ -6,14 +6,14 @@
 
 namespace corotet::inline v0_1 {
 
-/// A preconditioner that follows the body's rotations grows worse as the body strains. It is renewed when the system
-/// changes for other reasons than motion (a new era), and when a solve took half as many applications again as the best
-/// one did, but then not often: a renewal costs as much as many solves. Counts alone decide, no clock: the same on
-/// every machine.
-class Renewal {
+/// A preconditioner that follows the body's rotations grows worse as the body strains. The policy asks for a new factor
+/// in a new era: the system changed for other reasons than motion. It also asks when a solve took half as many
+/// applications again as the best one did. That happens seldom, because a factor costs as much as many solves. Counts
+/// alone decide, no clock: the same on every machine.
+class RefactorizationPolicy {
  public:
-  /// Asked once a solve, before it. True if the factorisation shall be made now.
-  [[nodiscard]] bool due(std::uint64_t era) {
+  /// True if the factor shall be made now. To be called once a solve, before it.
+  [[nodiscard]] bool should_refactor(std::uint64_t era) {
     const int last = applications_;
     applications_ = 0;
     ++age_;
@@ -27,10 +27,10 @@ class Renewal {
     return true;
   }
 
-  /// The factorisation that was due could not be made: it is due again.
+  /// The factor could not be made: the next call asks for it again.
   void failed() { era_ = 0; }
 
-  /// Called at each application.
+  /// To be called at each application.
   void count() { ++applications_; }
 
  private:
