@@ -6,10 +6,13 @@
 #include <corotet/solve/warped_cholesky.hpp>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <memory>
 #include <set>
+#include <thread>
 
 #include "solve/step_matrices.hpp"
 #include "support/floating_point_traps.hpp"
@@ -104,6 +107,35 @@ TYPED_TEST(Preconditioners, ObeyTheirLaw) {
   expect_lawful(beam.system(), two_levels);
   expect_lawful(beam.system(), three_levels);
   expect_lawful(beam.system(), warped);
+}
+
+/// From one thread, in order, and from two, in the opposite order.
+TYPED_TEST(Preconditioners, GiveTheSameBitsOnAnyNumberOfThreads) {
+  using Scalar = typename TypeParam::Scalar;
+  const BeamSystem<Scalar, typename TypeParam::Element> beam({24, 4, 4});  // several tasks in each loop
+  ASSERT_GT(beam.matrix.rows(), 2 * RangeSum::grain);
+  const auto on_two_threads = [](Index count, auto&& task) {
+    std::thread other([&] {
+      for (Index i = count - 1; i >= 0; --i)
+        if (i % 2 == 1) task(i);
+    });
+    for (Index i = count - 1; i >= 0; --i)
+      if (i % 2 == 0) task(i);
+    other.join();
+  };
+  const PaddedField<Scalar> r = padded(testing::random_field<Scalar>(beam.matrix.rows(), 1, 4));
+  const auto expect_same_bits = [&](const auto& analyzed, const char* name) {
+    auto serial = analyzed, parallel = analyzed;
+    serial.update(beam.system(), {});
+    parallel.update(beam.system(), on_two_threads);
+    PaddedField<Scalar> z(r.size()), same(r.size());
+    EXPECT_EQ(serial.apply(r, z, {}), parallel.apply(r, same, on_two_threads)) << name;
+    EXPECT_EQ(std::memcmp(z.data(), same.data(), r.size() * sizeof(r[0])), 0) << name;
+  };
+  expect_same_bits(analyzed(beam, BlockJacobi<Scalar>()), "block-Jacobi");
+  expect_same_bits(rigid_for(beam, 30), "rigid aggregates");
+  expect_same_bits(rigid_for(beam, 80, 70), "three levels");
+  expect_same_bits(warped_for(beam), "warped Cholesky");
 }
 
 /// One factor in turn for matrices on larger and smaller patterns, and copies of it.
