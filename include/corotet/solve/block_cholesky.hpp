@@ -87,10 +87,18 @@ class BlockCholesky {
       for (Index p = begin; p < end; ++p) place[symbolic_->row[at(p)]] = p;
       // Columns whose next block is in row k: they have done their part in all columns before.
       for (Index j = first[k]; j >= 0;) {
-        const Index following = next[j], from = done[j];
-        subtract_column(from, start(j + 1), place);
-        wait(j, from + 1, first, next, done);
-        j = following;
+        const Index other = next[j], from = done[j], end = start(j + 1);
+        if (other >= 0 && are_alike(j, other, end - from, start(other + 1) - done[other])) {
+          const Index after = next[other];
+          subtract_columns<2>({from, done[other]}, end - from, place);
+          wait(other, done[other] + 1, first, next, done);
+          wait(j, from + 1, first, next, done);
+          j = after;
+        } else {
+          subtract_columns<1>({from}, end - from, place);
+          wait(j, from + 1, first, next, done);
+          j = other;
+        }
       }
       Block inverse;
       if (!inverse_cholesky(block(begin).value(), inverse)) return false;
@@ -172,11 +180,44 @@ class BlockCholesky {
     first[row] = j;
   }
 
-  /// L_ik -= L_ij L_kj^T for the blocks [from, end) of column j, the first of which is L_kj. `place`: of row i in
-  /// column k.
-  void subtract_column(Index from, Index end, const Index* place) {
-    const Block factor = block(from).transpose();
-    for (Index p = from; p < end; ++p) block(place[symbolic_->row[at(p)]]) -= block(p).value() * factor;
+  /// Whether two columns of which so many blocks are left have them in the same rows: one is the parent of the other,
+  /// whose rows it has all.
+  [[nodiscard]] bool are_alike(Index i, Index j, Index left_of_i, Index left_of_j) const {
+    if (left_of_i != left_of_j || (i - j != 1 && j - i != 1)) return false;
+    const Index child = i < j ? i : j;
+    return symbolic_->row[at(start(child)) + 1] == child + 1;
+  }
+
+  /// L_ik -= sum over j of L_ij L_kj^T for N columns j with blocks in the same rows, `count` of them from `from` on,
+  /// the first of which is L_kj. `place`: of row i in column k.
+  template <int N>
+  void subtract_columns(const std::array<Index, std::size_t{N}>& from, Index count, const Index* place) {
+    std::array<Block, std::size_t{N}> factor;
+    for (std::size_t n = 0; n < std::size_t{N}; ++n) factor[n] = block(from[n]).transpose();
+    for (Index p = 0; p < count; ++p) {
+      double* const target = value_.data() + block_size * at(place[symbolic_->row[at(from[0] + p)]]);
+      if constexpr (B == 3) {
+        using Column = Register<double, 4>;
+        std::array<Column, 3> sum;
+        for (std::size_t c = 0; c < 3; ++c) sum[c] = Column::load(target + 3 * c);
+        COROTET_UNROLL
+        for (std::size_t n = 0; n < std::size_t{N}; ++n) {
+          const double* const source = value_.data() + block_size * at(from[n] + p);
+          COROTET_UNROLL
+          for (int r = 0; r < 3; ++r) {
+            const Column column = Column::load(source + 3 * r);
+            COROTET_UNROLL
+            for (int c = 0; c < 3; ++c) sum[std::size_t(c)] -= column * Column(factor[n](r, c));
+          }
+        }
+        sum[0].store(target);  // and one number more, which the next store corrects
+        sum[1].store(target + 3);
+        sum[2].template store_part<3>(target + 6);
+      } else {
+        const MatrixView<double, B, B> to(target);
+        for (std::size_t n = 0; n < std::size_t{N}; ++n) to -= block(from[n] + p).value() * factor[n];
+      }
+    }
   }
 
   /// The numbers of L in Scalar, in the memory that they have in double.
