@@ -188,7 +188,7 @@ struct Beam {
   BlockMatrix<float> matrix{body.pattern()};
   PaddedField<float> x = PaddedField<float>(at(body.vertex_count()));  // the velocities
   RigidAggregates<float> rigid;
-  std::shared_ptr<const SymbolicFactor> symbolic = std::make_shared<const SymbolicFactor>(*body.pattern());
+  detail::Shared<SymbolicFactor> symbolic = detail::Shared<SymbolicFactor>::make(*body.pattern());
   const double vertices = body.vertex_count(), elements = body.law().element_count(), blocks = body.pattern()->blocks();
 };
 

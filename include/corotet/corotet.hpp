@@ -71,6 +71,7 @@
 #include <corotet/core/register.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/revision.hpp>
+#include <corotet/core/shared.hpp>
 #include <corotet/core/simd_pack.hpp>
 #include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>

@@ -8,6 +8,7 @@
 #include <corotet/core/executor.hpp>
 #include <corotet/core/instances.hpp>
 #include <corotet/core/memory_use.hpp>
+#include <corotet/core/shared.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/block_cholesky.hpp>
 #include <corotet/solve/block_jacobi.hpp>
@@ -170,10 +171,10 @@ void AutoSolver<Scalar>::choose_preconditioner(const std::shared_ptr<const Block
     parts_->diagonal.analyze(pattern, rest);
     return;
   }
-  std::shared_ptr<const SymbolicFactor> symbolic;
+  detail::Shared<SymbolicFactor> symbolic;
   if (preconditioner_ == warped_cholesky ||
       (preconditioner_ == automatic && vertices <= most_vertices_of_a_small_body)) {
-    symbolic = std::make_shared<const SymbolicFactor>(*pattern);
+    symbolic = detail::Shared<SymbolicFactor>::make(*pattern);
     if (symbolic->fits()) warped_products_ = cost_.warped_cholesky(double(symbolic->blocks));
   }
   if (preconditioner_ == warped_cholesky && symbolic->fits()) {

@@ -7,12 +7,12 @@
 #include <corotet/core/compiler.hpp>
 #include <corotet/core/memory_use.hpp>
 #include <corotet/core/register.hpp>
+#include <corotet/core/shared.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/small_cholesky.hpp>
 #include <corotet/solve/symbolic_factor.hpp>
 #include <cstddef>
 #include <cstring>
-#include <memory>
 #include <type_traits>
 #include <utility>
 
@@ -46,8 +46,8 @@ class BlockCholesky {
   ~BlockCholesky() = default;
 
   /// Ordering, pattern of L, and memory for L, if it fits.
-  COROTET_COLD void analyze(const BlockPattern& pattern) { analyze(std::make_shared<const SymbolicFactor>(pattern)); }
-  COROTET_COLD void analyze(std::shared_ptr<const SymbolicFactor> symbolic) {
+  COROTET_COLD void analyze(const BlockPattern& pattern) { analyze(detail::Shared<SymbolicFactor>::make(pattern)); }
+  COROTET_COLD void analyze(detail::Shared<SymbolicFactor> symbolic) {
     *this = {};
     symbolic_ = std::move(symbolic);
     if (!symbolic_->fits()) return;
@@ -87,18 +87,16 @@ class BlockCholesky {
       for (Index p = begin; p < end; ++p) place[symbolic_->row[at(p)]] = p;
       // Columns whose next block is in row k: they have done their part in all columns before.
       for (Index j = first[k]; j >= 0;) {
-        const Index other = next[j], from = done[j], end = start(j + 1);
-        if (other >= 0 && are_alike(j, other, end - from, start(other + 1) - done[other])) {
-          const Index after = next[other];
-          subtract_columns<2>({from, done[other]}, end - from, place);
-          wait(other, done[other] + 1, first, next, done);
-          wait(j, from + 1, first, next, done);
-          j = after;
-        } else {
-          subtract_columns<1>({from}, end - from, place);
-          wait(j, from + 1, first, next, done);
-          j = other;
+        const Index from = done[j], left = start(j + 1) - from, other = next[j];
+        Index following = other, other_from = -1;
+        if (B == 3 && other >= 0 && are_alike(j, other, left, start(other + 1) - done[other])) {
+          other_from = done[other];
+          following = next[other];
+          wait(other, other_from + 1, first, next, done);
         }
+        subtract_columns(from, other_from, left, place);
+        wait(j, from + 1, first, next, done);
+        j = following;
       }
       Block inverse;
       if (!inverse_cholesky(block(begin).value(), inverse)) return false;
@@ -172,7 +170,7 @@ class BlockCholesky {
   }
 
   /// Column j waits for the column in whose row its block p is.
-  COROTET_ALWAYS_INLINE void wait(Index j, Index p, Index* first, Index* next, Index* done) const {
+  void wait(Index j, Index p, Index* first, Index* next, Index* done) const {
     if (p == start(j + 1)) return;
     const Index row = symbolic_->row[at(p)];
     done[j] = p;
@@ -188,35 +186,37 @@ class BlockCholesky {
     return symbolic_->row[at(start(child)) + 1] == child + 1;
   }
 
-  /// L_ik -= sum over j of L_ij L_kj^T for N columns j with blocks in the same rows, `count` of them from `from` on,
-  /// the first of which is L_kj. `place`: of row i in column k.
-  template <int N>
-  void subtract_columns(const std::array<Index, std::size_t{N}>& from, Index count, const Index* place) {
-    std::array<Block, std::size_t{N}> factor;
-    for (std::size_t n = 0; n < std::size_t{N}; ++n) factor[n] = block(from[n]).transpose();
-    for (Index p = 0; p < count; ++p) {
-      double* const target = value_.data() + block_size * at(place[symbolic_->row[at(from[0] + p)]]);
-      if constexpr (B == 3) {
-        using Column = Register<double, 4>;
-        std::array<Column, 3> sum;
-        for (std::size_t c = 0; c < 3; ++c) sum[c] = Column::load(target + 3 * c);
-        COROTET_UNROLL
-        for (std::size_t n = 0; n < std::size_t{N}; ++n) {
-          const double* const source = value_.data() + block_size * at(from[n] + p);
-          COROTET_UNROLL
-          for (int r = 0; r < 3; ++r) {
-            const Column column = Column::load(source + 3 * r);
-            COROTET_UNROLL
-            for (int c = 0; c < 3; ++c) sum[std::size_t(c)] -= column * Column(factor[n](r, c));
-          }
-        }
+  /// L_ik -= L_ij L_kj^T for the `count` blocks of a column j from `from` on, the first of which is L_kj; and the same
+  /// for a second column with blocks in the same rows, from `second` on if that is not -1, for B = 3. `place`: of row i
+  /// in column k.
+  void subtract_columns(Index from, Index second, Index count, const Index* place) {
+    const Index* const row = symbolic_->row.data() + from;
+    const Block factor = block(from).transpose();
+    if constexpr (B == 3) {
+      const bool two = second >= 0;
+      const Block second_factor = two ? block(second).transpose() : Block::Zero();
+      for (Index p = 0; p < count; ++p) {
+        double* const target = value_.data() + block_size * at(place[row[p]]);
+        std::array<Column, 3> sum{Column::load(target), Column::load(target + 3), Column::load(target + 6)};
+        subtract_product(from + p, factor, sum);
+        if (two) subtract_product(second + p, second_factor, sum);
         sum[0].store(target);  // and one number more, which the next store corrects
         sum[1].store(target + 3);
         sum[2].template store_part<3>(target + 6);
-      } else {
-        const MatrixView<double, B, B> to(target);
-        for (std::size_t n = 0; n < std::size_t{N}; ++n) to -= block(from[n] + p).value() * factor[n];
       }
+    } else {
+      for (Index p = 0; p < count; ++p) block(place[row[p]]) -= block(from + p).value() * factor;
+    }
+  }
+
+  using Column = Register<double, 4>;  // of a 3x3 block, and one number more
+  COROTET_ALWAYS_INLINE void subtract_product(Index p, const Block& factor, std::array<Column, 3>& sum) const {
+    const double* const source = value_.data() + block_size * at(p);
+    COROTET_UNROLL
+    for (int r = 0; r < 3; ++r) {
+      const Column column = Column::load(source + 3 * r);
+      COROTET_UNROLL
+      for (int c = 0; c < 3; ++c) sum[at(c)] -= column * Column(factor(r, c));
     }
   }
 
@@ -285,7 +285,7 @@ class BlockCholesky {
     return sum;
   }
 
-  std::shared_ptr<const SymbolicFactor> symbolic_;
+  detail::Shared<SymbolicFactor> symbolic_;
   detail::Buffer<double> value_;
   detail::Scratch<Scalar> segment_;
   detail::Scratch<Index> index_;  // see factorize

@@ -9,6 +9,7 @@
 #include <corotet/core/executor.hpp>
 #include <corotet/core/memory_use.hpp>
 #include <corotet/core/register.hpp>
+#include <corotet/core/shared.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/aggregate_hierarchy.hpp>
 #include <corotet/solve/aggregate_motion.hpp>
@@ -57,7 +58,7 @@ class RigidAggregates {
 
   COROTET_COLD void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest) {
     const Sizes sizes = wanted_.aggregates > 0 ? wanted_ : sizes_for(pattern->rows());
-    model_ = std::make_shared<const Model>(*pattern, rest, sizes);
+    model_ = detail::Shared<Model>::make(*pattern, rest, sizes);
     const Hierarchy& h = model_->hierarchy;
     motion_ = AggregateMotion<Scalar>(h);
     smoother_.analyze(pattern, rest);
@@ -279,7 +280,7 @@ class RigidAggregates {
   static constexpr Index coarse_grain = 64;  // coarse aggregates a task: some hundred fine ones
 
   Sizes wanted_;
-  std::shared_ptr<const Model> model_;
+  detail::Shared<Model> model_;
   AggregateMotion<Scalar> motion_;
   BlockJacobi<Scalar> smoother_;
   BlockCholesky<Scalar, 6> cholesky_;

@@ -8,6 +8,7 @@
 #include <corotet/core/executor.hpp>
 #include <corotet/core/memory_use.hpp>
 #include <corotet/core/register.hpp>
+#include <corotet/core/shared.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/block_cholesky.hpp>
 #include <corotet/solve/range_sum.hpp>
@@ -35,16 +36,16 @@ class WarpedCholesky {
 
   /// If the factor is too large for 32-bit indices, `apply` returns not-a-number.
   COROTET_COLD void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest) {
-    analyze(pattern, rest, std::make_shared<const SymbolicFactor>(*pattern));
+    analyze(pattern, rest, detail::Shared<SymbolicFactor>::make(*pattern));
   }
   /// The same with a symbolic factor of the pattern that is there.
   COROTET_COLD void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest,
-                            std::shared_ptr<const SymbolicFactor> symbolic) {
+                            detail::Shared<SymbolicFactor> symbolic) {
     *this = {};
     pattern_ = pattern;
     PaddedField<Scalar> padded(rest.size());
     for (std::size_t v = 0; v < rest.size(); ++v) padded[v].set(rest[v]);
-    rest_ = std::make_shared<const PaddedField<Scalar>>(std::move(padded));
+    rest_ = detail::Shared<PaddedField<Scalar>>::make(std::move(padded));
     cholesky_.analyze(std::move(symbolic));
     rotation_ = detail::Scratch<Mat3<Scalar>>(rest.size());
     sum_ = RangeSum(size_of(rest));
@@ -139,8 +140,8 @@ class WarpedCholesky {
   static_assert(BlockCholesky<Scalar>::width == 4);
 
   std::shared_ptr<const BlockPattern> pattern_;
-  std::shared_ptr<const PaddedField<Scalar>> rest_;  // m
-  detail::Scratch<Mat3<Scalar>> rotation_;           // of each vertex, as `update` found it
+  detail::Shared<PaddedField<Scalar>> rest_;  // m
+  detail::Scratch<Mat3<Scalar>> rotation_;    // of each vertex, as `update` found it
   BlockCholesky<Scalar> cholesky_;
   RefactorizationPolicy policy_;
   RangeSum sum_;
