@@ -92,7 +92,7 @@ class AutoSolver {
   template <class P>
   SolveReport solve_by(P& preconditioner, const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor) {
     preconditioner.update(system, executor);
-    return parts_->pcg.solve(system, preconditioner, x, {options_.tolerance, options_.max_iterations}, executor);
+    return methods_->pcg.solve(system, preconditioner, x, {options_.tolerance, options_.max_iterations}, executor);
   }
 
   COROTET_COLD SolveReport solve_directly(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor);
@@ -117,7 +117,7 @@ class AutoSolver {
   bool may_change_ = false;
   IterationWatch watch_;
   /// What the methods work with; empty where a method is not used.
-  struct Parts {
+  struct Methods {
     Pcg<Scalar> pcg;
     BlockJacobi<Scalar> diagonal;
     RigidAggregates<Scalar> rigid;
@@ -125,7 +125,7 @@ class AutoSolver {
     BlockCholesky<Scalar> cholesky;
     Refinement<Scalar> refinement;
   };
-  detail::DeepPointer<Parts> parts_;
+  detail::DeepPointer<Methods> methods_;
 };
 
 // Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
@@ -147,15 +147,15 @@ void AutoSolver<Scalar>::analyze(const std::shared_ptr<const BlockPattern>& patt
   *this = AutoSolver(options_);
   method_ = options_.method == SolverMethod::automatic ? SolverMethod::pcg : options_.method;
   if (method_ == SolverMethod::cholesky) {
-    parts_->cholesky.analyze(*pattern);
-    if (parts_->cholesky.is_ready()) {
-      parts_->refinement = Refinement<Scalar>(pattern->rows());
+    methods_->cholesky.analyze(*pattern);
+    if (methods_->cholesky.is_ready()) {
+      methods_->refinement = Refinement<Scalar>(pattern->rows());
       return;
     }
     method_ = SolverMethod::pcg;
-    parts_->cholesky = {};
+    methods_->cholesky = {};
   }
-  parts_->pcg = Pcg<Scalar>(pattern->rows());
+  methods_->pcg = Pcg<Scalar>(pattern->rows());
   choose_preconditioner(pattern, rest);
 }
 
@@ -167,8 +167,8 @@ void AutoSolver<Scalar>::choose_preconditioner(const std::shared_ptr<const Block
   cost_ = SolveCost(pattern->blocks(), vertices);
   preconditioner_ = options_.preconditioner;
   if (preconditioner_ == jacobi || preconditioner_ == block_jacobi) {
-    parts_->diagonal = BlockJacobi<Scalar>(preconditioner_ == block_jacobi);
-    parts_->diagonal.analyze(pattern, rest);
+    methods_->diagonal = BlockJacobi<Scalar>(preconditioner_ == block_jacobi);
+    methods_->diagonal.analyze(pattern, rest);
     return;
   }
   detail::Shared<SymbolicFactor> symbolic;
@@ -179,24 +179,24 @@ void AutoSolver<Scalar>::choose_preconditioner(const std::shared_ptr<const Block
   }
   if (preconditioner_ == warped_cholesky && symbolic->fits()) {
     predicted_products_ = warped_products_;
-    parts_->warped.analyze(pattern, rest, symbolic);
+    methods_->warped.analyze(pattern, rest, symbolic);
     return;
   }
-  parts_->rigid.analyze(pattern, rest);
-  predicted_products_ = cost_.rigid_aggregates(double(parts_->rigid.factor_blocks()));
+  methods_->rigid.analyze(pattern, rest);
+  predicted_products_ = cost_.rigid_aggregates(double(methods_->rigid.factor_blocks()));
   constexpr double most_iterations = 25;
   may_change_ =
       preconditioner_ == automatic &&
-      warped_products_ < cost_.rigid_aggregates(double(parts_->rigid.factor_blocks()), most_iterations) &&
+      warped_products_ < cost_.rigid_aggregates(double(methods_->rigid.factor_blocks()), most_iterations) &&
       double(symbolic->blocks) * sizeof(double) < most_factor_memory * double(pattern->blocks()) * sizeof(Scalar);
   preconditioner_ = rigid_aggregates;
-  if (may_change_) parts_->warped.analyze(pattern, rest, symbolic);
+  if (may_change_) methods_->warped.analyze(pattern, rest, symbolic);
 }
 
 template <std::floating_point Scalar>
 MemoryUse AutoSolver<Scalar>::memory() const {
-  const Parts& p = *parts_;
-  return MemoryUse{sizeof(Parts), 0} + p.pcg.memory() + p.diagonal.memory() + p.rigid.memory() + p.warped.memory() +
+  const Methods& p = *methods_;
+  return MemoryUse{sizeof(Methods), 0} + p.pcg.memory() + p.diagonal.memory() + p.rigid.memory() + p.warped.memory() +
          p.cholesky.memory() + p.refinement.memory();
 }
 
@@ -204,13 +204,13 @@ template <std::floating_point Scalar>
 SolveReport AutoSolver<Scalar>::solve(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor) {
   if (method_ == SolverMethod::cholesky) return solve_directly(system, x, executor);
   if (may_change_ && watch_.begins(system.era)) preconditioner_ = PreconditionerKind::rigid_aggregates;
-  if (preconditioner_ == PreconditionerKind::warped_cholesky) return solve_by(parts_->warped, system, x, executor);
+  if (preconditioner_ == PreconditionerKind::warped_cholesky) return solve_by(methods_->warped, system, x, executor);
   if (preconditioner_ == PreconditionerKind::rigid_aggregates) {
-    const SolveReport report = solve_by(parts_->rigid, system, x, executor);
+    const SolveReport report = solve_by(methods_->rigid, system, x, executor);
     if (may_change_) compare(watch_.add(report.iterations));
     return report;
   }
-  return solve_by(parts_->diagonal, system, x, executor);
+  return solve_by(methods_->diagonal, system, x, executor);
 }
 
 template <std::floating_point Scalar>
@@ -218,15 +218,15 @@ SolveReport AutoSolver<Scalar>::solve_directly(const StepSystem<Scalar>& system,
                                                ExecutorRef executor) {
   std::fill(x.begin(), x.end(), Vec3<Scalar>::Zero());
   if (!is_tolerance(options_.tolerance)) return {SolveStatus::invalid_options, 0, 1.0};
-  if (!parts_->cholesky.factorize(system.matrix)) return {SolveStatus::breakdown, 0, 1.0};
-  const auto factor = [this](const Field<Scalar>& r, Field<Scalar>& y) { parts_->cholesky.solve(r, y); };
-  return parts_->refinement.solve(system.matrix, factor, system.right_side, x, options_.tolerance, executor);
+  if (!methods_->cholesky.factorize(system.matrix)) return {SolveStatus::breakdown, 0, 1.0};
+  const auto factor = [this](const Field<Scalar>& r, Field<Scalar>& y) { methods_->cholesky.solve(r, y); };
+  return methods_->refinement.solve(system.matrix, factor, system.right_side, x, options_.tolerance, executor);
 }
 
 template <std::floating_point Scalar>
 void AutoSolver<Scalar>::compare(std::optional<double> iterations) {
   if (!iterations) return;
-  predicted_products_ = cost_.rigid_aggregates(double(parts_->rigid.factor_blocks()), *iterations);
+  predicted_products_ = cost_.rigid_aggregates(double(methods_->rigid.factor_blocks()), *iterations);
   if (warped_products_ >= predicted_products_) return;
   predicted_products_ = warped_products_;
   preconditioner_ = PreconditionerKind::warped_cholesky;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 
 namespace corotet::inline v0_1 {
@@ -26,6 +27,11 @@ class RefactorizationPolicy {
     fewest_ = 0;
     return true;
   }
+
+  /// The share of its diagonal that is added to the matrix: the next where the one before has no factor. Rounding can
+  /// make the matrix of a very stiff body indefinite (Manteuffel 1980, "An incomplete factorization technique for
+  /// positive definite linear systems").
+  static constexpr std::array<double, 3> shifts{0, 1e-6, 1e-3};
 
   /// The factor could not be made: the next call asks for it again.
   void failed() { era_ = 0; }

@@ -128,8 +128,15 @@ class RigidAggregates {
 
   [[nodiscard]] const Hierarchy& hierarchy() const { return model_->hierarchy; }
 
-  /// The coarse matrix and its factor, from the matrix of now, turned back.
   COROTET_COLD void factorize(const BlockMatrix<Scalar>& matrix, ExecutorRef executor) {
+    if (!hierarchy().two_levels) invert_blocks(matrix, executor);
+    for (const double shift : RefactorizationPolicy::shifts)
+      if (factorize_coarse(matrix, shift, executor)) return;
+    policy_.failed();
+  }
+
+  /// The factor of the coarse matrix, from the matrix of now, turned back, with `shift` times its diagonal more.
+  COROTET_COLD bool factorize_coarse(const BlockMatrix<Scalar>& matrix, double shift, ExecutorRef executor) {
     const Hierarchy& h = hierarchy();
     const RigidFrames<Scalar>& frames = h.two_levels ? motion_.fine : motion_.coarse;
     const BlockPattern& p = model_->coarse_pattern;
@@ -139,12 +146,11 @@ class RigidAggregates {
       for (Index k = p.row_start[at(c)]; k < p.row_start[at(c) + 1]; ++k) {
         if (!cholesky_.takes(k)) continue;
         WideBlock6 block = in_own_axes<Scalar>(frames, c, p.column[at(k)], cholesky_.entry(k));
-        if (k == p.diagonal[at(c)]) stabilise(block);
+        if (k == p.diagonal[at(c)]) stabilise(block, shift);
         cholesky_.entry(k) = block;
       }
     });
-    if (!cholesky_.factorize()) policy_.failed();
-    if (!h.two_levels) invert_blocks(matrix, executor);
+    return cholesky_.factorize();
   }
 
   COROTET_COLD void invert_blocks(const BlockMatrix<Scalar>& matrix, ExecutorRef executor) {

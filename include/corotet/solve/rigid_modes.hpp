@@ -78,12 +78,12 @@ template <std::floating_point Scalar>
 }
 
 /// Motions that an aggregate does not have (all its vertices pinned, or no rotation) must not make the matrix singular:
-/// they stand alone, and so does rounding that is left of them.
-inline void stabilise(Matrix<double, 6, 6>& diagonal_block) {
+/// they stand alone, and so does rounding that is left of them. Adds `shift` times the diagonal.
+inline void stabilise(Matrix<double, 6, 6>& diagonal_block, double shift = 0) {
   const double largest = diagonal_block.diagonal().maxCoeff();
   for (int r = 0; r < 6; ++r) {
     double& entry = diagonal_block(r, r);
-    entry = entry > 0 ? entry * (1 + 1e-10) : (largest > 0 ? largest : 1.0);
+    entry = entry > 0 ? entry * (1 + 1e-10 + shift) : (largest > 0 ? largest : 1.0);
   }
 }
 

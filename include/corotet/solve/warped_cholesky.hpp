@@ -55,18 +55,9 @@ class WarpedCholesky {
     if (!cholesky_.is_ready()) return;
     turn(system.displacement, executor);
     if (!policy_.should_refactor(system.era)) return;
-    const BlockPattern& p = *pattern_;
-    cholesky_.begin();
-    for_ranges(executor, p.rows(), RangeSum::grain, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i) {
-        const Mat3<Scalar> back = rotation_[at(i)].transpose();
-        for (Index k = p.row_start[at(i)]; k < p.row_start[at(i) + 1]; ++k)
-          if (cholesky_.takes(k))
-            cholesky_.entry(k) =
-                (back * system.matrix.block(k) * rotation_[at(p.column[at(k)])]).template cast<double>();
-      }
-    });
-    if (!cholesky_.factorize()) policy_.failed();
+    for (const double shift : RefactorizationPolicy::shifts)
+      if (factorize(system.matrix, shift, executor)) return;
+    policy_.failed();
   }
 
   double apply(const PaddedField<Scalar>& r, PaddedField<Scalar>& z, ExecutorRef executor) {
@@ -105,6 +96,25 @@ class WarpedCholesky {
   template <class Vector>
   [[nodiscard]] COROTET_ALWAYS_INLINE static Q product(const Columns& column, const Vector& v) {
     return column[0] * Q(v[0]) + column[1] * Q(v[1]) + column[2] * Q(v[2]);
+  }
+
+  /// The factor of the matrix, turned back, with `shift` times its diagonal more.
+  COROTET_COLD bool factorize(const BlockMatrix<Scalar>& matrix, double shift, ExecutorRef executor) {
+    const BlockPattern& p = *pattern_;
+    cholesky_.begin();
+    for_ranges(executor, p.rows(), RangeSum::grain, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i) {
+        const Mat3<Scalar> back = rotation_[at(i)].transpose();
+        for (Index k = p.row_start[at(i)]; k < p.row_start[at(i) + 1]; ++k) {
+          if (!cholesky_.takes(k)) continue;
+          const auto to = cholesky_.entry(k);
+          to = (back * matrix.block(k) * rotation_[at(p.column[at(k)])]).template cast<double>();
+          if (k == p.diagonal[at(i)])
+            for (int c = 0; c < 3; ++c) to(c, c) *= 1 + shift;
+        }
+      }
+    });
+    return cholesky_.factorize();
   }
 
   /// The rotation of each vertex: that of the edges to its neighbours.
