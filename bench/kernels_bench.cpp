@@ -16,7 +16,7 @@
 #include <corotet/element/tet4.hpp>
 #include <corotet/mesh/make_block.hpp>
 #include <corotet/solve/block_jacobi.hpp>
-#include <corotet/solve/first_guess.hpp>
+#include <corotet/solve/initial_guess.hpp>
 #include <corotet/solve/rigid_aggregates.hpp>
 #include <corotet/solve/warped_cholesky.hpp>
 #include <cstddef>
@@ -113,8 +113,7 @@ struct Beam {
     assemble_into(matrix);
     for (const Index v : body.pins().vertices()) matrix.isolate(v);
     for (std::size_t v = 0; v < x.size(); ++v) x[v].set(body.velocities()[v]);
-    rigid.analyze(*body.pattern(), body.mesh().positions(), RigidAggregates<float>::sizes_for(body.vertex_count()));
-    warped.analyze(body.pattern(), body.mesh().positions());
+    rigid.analyze(body.pattern(), body.mesh().positions());
   }
 
   static Body make_body(Index cells) {
@@ -164,7 +163,7 @@ struct Beam {
   }
   // Twice the factor (3x3 and a row number each block), rotations and order; r, z, and the unknowns in each pass.
   [[nodiscard]] Work warped_work() const {
-    const double factor = 40.0 * double(warped.factor_blocks());
+    const double factor = 40.0 * double(symbolic->blocks);
     return Work::on(factor + 104 * vertices, 2 * factor + 176 * vertices, 0.9 * factor + 36 * vertices);
   }
   // The matrix once; two old solutions and their products, each twice; b, x, and r three times.
@@ -189,7 +188,7 @@ struct Beam {
   BlockMatrix<float> matrix{body.pattern()};
   PaddedField<float> x = PaddedField<float>(at(body.vertex_count()));  // the velocities
   RigidAggregates<float> rigid;
-  WarpedCholesky<float> warped;
+  detail::Shared<SymbolicFactor> symbolic = detail::Shared<SymbolicFactor>::make(*body.pattern());
   const double vertices = body.vertex_count(), elements = body.law().element_count(), blocks = body.pattern()->blocks();
 };
 
@@ -254,21 +253,26 @@ void add_rows(const std::string& element, const std::vector<Index>& all_cells) {
     measure(state, b.product_work(12), [&] { program::plain_product(b.matrix, b.body.velocities(), y); });
   });
   add("block_jacobi", [](State& state, B& b) {  // the inverse (4 x 3 numbers), r and z; z and r . z
-    apply(state, b, BlockJacobi<float>(*b.body.pattern()), Work::once(80 * b.vertices, (15 + 6) * b.vertices));
+    BlockJacobi<float> jacobi;
+    jacobi.analyze(b.body.pattern(), b.body.mesh().positions());
+    apply(state, b, jacobi, Work::once(80 * b.vertices, (15 + 6) * b.vertices));
   });
   add("rigid_aggregates", [](State& state, B& b) { apply(state, b, b.rigid, b.rigid_work()); });
   const auto warped = [](State& state, B& b) {
-    b.warped.allocate();
-    apply(state, b, WarpedCholesky<float>(b.warped), b.warped_work());
+    WarpedCholesky<float> warped;
+    warped.analyze(b.body.pattern(), b.body.mesh().positions(), b.symbolic);
+    apply(state, b, warped, b.warped_work());
   };
   add("warped_cholesky", warped, 20);  // the factors of larger beams are too large
-  add("first_guess", [](State& state, B& b) {
-    FirstGuess<float> guess(b.body.vertex_count());
-    PaddedField<float> x = b.x, other = x, r = x;
+  add("initial_guess", [](State& state, B& b) {
+    InitialGuess<float> guess(b.body.vertex_count());
+    PaddedField<float> x = b.x, other = x, r = x, p = x, q = x;
     for (auto& v : other) std::swap(v[0], v[1]);  // another direction
     guess.remember(x);
     guess.remember(other);
-    measure(state, b.guess_work(), [&] { benchmark::DoNotOptimize(guess.start(b.system(), x, r, b.serial)); });
+    measure(state, b.guess_work(), [&] {
+      benchmark::DoNotOptimize(guess.start(b.system(), x, r, {&p, &q}, b.serial));
+    });
   });
   add("step", [](State& state, B& b) {
     auto body = b.body;

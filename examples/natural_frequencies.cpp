@@ -28,7 +28,6 @@ Eigen::VectorXd lowest_eigenvalues(const Body& body, int count) {
   for (const Index v : body.pins().vertices()) stiffness.isolate(v);
   BlockCholesky<double> factor;
   factor.analyze(*body.pattern());
-  factor.allocate();
   if (!factor.factorize(stiffness)) return {};
 
   const auto times_mass = [&](const Field<double>& x) {
@@ -48,7 +47,7 @@ Eigen::VectorXd lowest_eigenvalues(const Body& body, int count) {
       Field<double> x(at(body.vertex_count())), solution(x.size());
       flat(x) = basis.col(j);
       const Field<double> right_side = times_mass(x);
-      factor.factor().solve(right_side, solution);
+      factor.solve(right_side, solution);
       next.col(j) = flat(solution);
       k_next.col(j) = flat(right_side);  // K times the solution
       m_next.col(j) = flat(times_mass(solution));

@@ -38,10 +38,9 @@ struct Model {
       }
     BlockCholesky<double> cholesky;
     cholesky.analyze(*pattern);
-    cholesky.allocate();
     if (!cholesky.factorize(stiffness)) return {};
     Field<double> displacement(force.size());
-    cholesky.factor().solve(force, displacement);
+    cholesky.solve(force, displacement);
     return displacement;
   }
 

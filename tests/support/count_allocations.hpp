@@ -1,5 +1,5 @@
-// Counts the program's heap allocations. Include in one file of a test program only: it wraps malloc, which operator
-// new uses.
+// Counts the program's heap allocations and the bytes they ask for. Include in one file of a test program only: it
+// wraps malloc, which operator new uses.
 #pragma once
 
 #include <atomic>
@@ -13,7 +13,12 @@
 #endif
 
 namespace corotet::testing {
-inline std::atomic<long> allocation_count{0};
+inline std::atomic<long> allocation_count{0}, allocated_bytes{0};
+
+inline void count_allocation(std::size_t size) {
+  ++allocation_count;
+  allocated_bytes += static_cast<long>(size);
+}
 }
 
 #if defined(COROTET_TEST_HAS_ASAN) || defined(__SANITIZE_ADDRESS__)
@@ -22,7 +27,7 @@ extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*malloc_hook)(con
                                                          void (*free_hook)(const volatile void*));
 namespace corotet::testing {
 inline const int hooks_installed = __sanitizer_install_malloc_and_free_hooks(
-    [](const volatile void*, std::size_t) { ++allocation_count; }, [](const volatile void*) {});
+    [](const volatile void*, std::size_t size) { count_allocation(size); }, [](const volatile void*) {});
 }
 #else
 // glibc: the real allocator under its other name.
@@ -32,23 +37,23 @@ extern "C" void* __libc_realloc(void* old, std::size_t size);
 extern "C" void* __libc_memalign(std::size_t alignment, std::size_t size);
 
 extern "C" void* malloc(std::size_t size) {
-  ++corotet::testing::allocation_count;
+  corotet::testing::count_allocation(size);
   return __libc_malloc(size);
 }
 extern "C" void* calloc(std::size_t count, std::size_t size) {
-  ++corotet::testing::allocation_count;
+  corotet::testing::count_allocation(count * size);
   return __libc_calloc(count, size);
 }
 extern "C" void* realloc(void* old, std::size_t size) {
-  ++corotet::testing::allocation_count;
+  corotet::testing::count_allocation(size);
   return __libc_realloc(old, size);
 }
 extern "C" void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  ++corotet::testing::allocation_count;
+  corotet::testing::count_allocation(size);
   return __libc_memalign(alignment, size);
 }
 extern "C" int posix_memalign(void** out, std::size_t alignment, std::size_t size) {
-  ++corotet::testing::allocation_count;
+  corotet::testing::count_allocation(size);
   *out = __libc_memalign(alignment, size);
   return *out != nullptr ? 0 : 12;
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <corotet/core/assert.hpp>
 #include <corotet/core/compiler.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/types.hpp>
 #include <numeric>
 #include <vector>
@@ -56,6 +57,12 @@ struct BlockPattern {
 
   [[nodiscard]] Index rows() const { return size_of(diagonal); }
   [[nodiscard]] Index blocks() const { return size_of(column); }
+
+  [[nodiscard]] std::size_t bytes() const {
+    return bytes_of(row_start) + bytes_of(column) + bytes_of(diagonal) + bytes_of(upper) +
+           bytes_of(contribution_start) + bytes_of(contribution) + bytes_of(group_contribution_start) +
+           bytes_of(group_contribution) + bytes_of(incidence_start) + bytes_of(incidence);
+  }
 
   /// The slot of block (row, col), which must be there.
   [[nodiscard]] Index slot(Index row, Index col) const {

@@ -70,6 +70,18 @@ class Buffer {
       for (T& entry : *this) entry = value;
   }
 
+  /// As many entries, with any values: a copy whose pages are touched where they are written first.
+  [[nodiscard]] Buffer without_values() const {
+    Buffer copy;
+    copy.bytes_ = RawBuffer(bytes_.size());
+    return copy;
+  }
+
+  /// Makes the number of entries that of `other`, and leaves their values open; allocates only where it differs.
+  void fit(const Buffer& other) {
+    if (bytes_.size() != other.bytes_.size()) *this = other.without_values();
+  }
+
   [[nodiscard]] std::size_t size() const { return bytes_.size() / sizeof(T); }
   [[nodiscard]] bool empty() const { return bytes_.size() == 0; }
   [[nodiscard]] T* data() { return static_cast<T*>(bytes_.data()); }
@@ -86,5 +98,27 @@ class Buffer {
  private:
   RawBuffer bytes_;
 };
+
+/// Scratch memory: a Buffer whose values mean nothing between two calls of its owner, so that copies have as many
+/// entries and no values. Copying it costs no time but that of the allocation.
+template <class T>
+class Scratch : public Buffer<T> {
+ public:
+  Scratch() = default;
+  explicit Scratch(std::size_t count) : Buffer<T>(count) {}
+  Scratch(const Scratch& other) : Buffer<T>(other.without_values()) {}
+  Scratch(Scratch&&) noexcept = default;
+  Scratch& operator=(const Scratch& other) {
+    this->fit(other);
+    return *this;
+  }
+  Scratch& operator=(Scratch&&) noexcept = default;
+  ~Scratch() = default;
+};
+
+template <class T>
+[[nodiscard]] std::size_t bytes_of(const Buffer<T>& buffer) {
+  return buffer.size() * sizeof(T);
+}
 
 }  // namespace corotet::inline v0_1::detail

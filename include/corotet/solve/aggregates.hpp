@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <corotet/core/compiler.hpp>
 #include <corotet/core/exactly.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/types.hpp>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <span>
 #include <vector>
 
@@ -15,26 +15,29 @@ namespace corotet::inline v0_1 {
 
 /// A partition of things that lie somewhere into boxes, no two of which differ in size by more than a few.
 struct Aggregates {
-  std::vector<Index> start;   ///< count() + 1 entries
-  std::vector<Index> member;  ///< [start[a], start[a + 1]): the members of aggregate a, ascending
-  std::vector<Index> of;      ///< the aggregate of each
+  std::vector<Index> start;         ///< count() + 1 entries
+  std::vector<Index> member;        ///< [start[a], start[a + 1]): the members of aggregate a, ascending
+  std::vector<Index> aggregate_of;  ///< of each thing
 
   [[nodiscard]] Index count() const { return size_of(start) - 1; }
+
+  [[nodiscard]] std::size_t bytes() const { return bytes_of(start) + bytes_of(member) + bytes_of(aggregate_of); }
 
   [[nodiscard]] std::span<const Index> members(Index a) const {
     return std::span(member).subspan(at(start[at(a)]), at(start[at(a + 1)] - start[at(a)]));
   }
 
-  /// Halves the box across its longest side until there are `count` parts, 1 <= count <= position.size().
+  /// Halves the box across its longest side until there are `count` aggregates, 1 <= count <= position.size().
   template <std::floating_point Scalar>
   [[nodiscard]] COROTET_COLD static Aggregates of_positions(const Field<Scalar>& position, Index count) {
-    Aggregates parts;
-    parts.member.resize(position.size());
-    std::iota(parts.member.begin(), parts.member.end(), 0);
-    parts.of.resize(position.size());
-    parts.start.assign(1, 0);
-    parts.divide(position, 0, size_of(position), count);
-    return parts;
+    Aggregates aggregates;
+    aggregates.member.resize(position.size());
+    for (Index i = 0; i < size_of(position); ++i) aggregates.member[at(i)] = i;
+    aggregates.aggregate_of.resize(position.size());
+    aggregates.start.reserve(at(count) + 1);
+    aggregates.start.push_back(0);
+    aggregates.divide(position, 0, size_of(position), count);
+    return aggregates;
   }
 
  private:
@@ -43,7 +46,7 @@ struct Aggregates {
     const auto first = member.begin() + begin, last = member.begin() + end;
     if (count <= 1) {
       std::sort(first, last);
-      for (auto m = first; m != last; ++m) of[at(*m)] = size_of(start) - 1;
+      for (auto m = first; m != last; ++m) aggregate_of[at(*m)] = size_of(start) - 1;
       start.push_back(end);
       return;
     }

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <algorithm>
-#include <corotet/assembly/block_matrix.hpp>
+#include <corotet/assembly/block_pattern.hpp>
 #include <corotet/core/compiler.hpp>
 #include <corotet/core/deep_pointer.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/instances.hpp>
+#include <corotet/core/memory_use.hpp>
+#include <corotet/core/shared.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/block_cholesky.hpp>
 #include <corotet/solve/block_jacobi.hpp>
@@ -16,6 +18,7 @@
 #include <corotet/solve/rigid_aggregates.hpp>
 #include <corotet/solve/solve_cost.hpp>
 #include <corotet/solve/solver.hpp>
+#include <corotet/solve/symbolic_factor.hpp>
 #include <corotet/solve/warped_cholesky.hpp>
 #include <limits>
 #include <memory>
@@ -54,7 +57,7 @@ struct SolverOptions {
 /// Chooses by predicted cost (SolveCost): rigid aggregates to begin with, and for a small body a factor of the whole,
 /// as soon as a dozen solves took so many iterations that it would be cheaper: when the body is stiff. See
 /// `preconditioner()` for the choice; all memory is there after `analyze`. A factor too large for 32-bit indices is
-/// never chosen, not even when asked for.
+/// never chosen, not even when asked for. Copies share all that follows from the pattern and the rest configuration.
 template <std::floating_point Scalar>
 class AutoSolver {
  public:
@@ -83,11 +86,13 @@ class AutoSolver {
 
   [[nodiscard]] const Options& options() const { return options_; }
 
+  [[nodiscard]] COROTET_COLD MemoryUse memory() const;
+
  private:
   template <class P>
   SolveReport solve_by(P& preconditioner, const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor) {
     preconditioner.update(system, executor);
-    return parts_->pcg.solve(system, preconditioner, x, {options_.tolerance, options_.max_iterations}, executor);
+    return methods_->pcg.solve(system, preconditioner, x, {options_.tolerance, options_.max_iterations}, executor);
   }
 
   COROTET_COLD SolveReport solve_directly(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor);
@@ -100,6 +105,9 @@ class AutoSolver {
 
   // The factor of a larger body takes many times the memory of its matrix, and rarely pays.
   static constexpr Index most_vertices_of_a_small_body = 2000;
+  // Memory of the factor as it is made, to that of the matrix: more is not reserved for a choice that may never be
+  // made, and a factor of so many blocks seldom pays.
+  static constexpr double most_factor_memory = 2.5;
 
   Options options_;
   SolverMethod method_ = SolverMethod::pcg;
@@ -109,17 +117,15 @@ class AutoSolver {
   bool may_change_ = false;
   IterationWatch watch_;
   /// What the methods work with; empty where a method is not used.
-  struct Parts {
+  struct Methods {
     Pcg<Scalar> pcg;
     BlockJacobi<Scalar> diagonal;
     RigidAggregates<Scalar> rigid;
     WarpedCholesky<Scalar> warped;
-    BlockCholesky<double> cholesky;  // in double whatever Scalar is, as in WarpedCholesky: stiff bodies need it
-    BlockMatrix<double> in_double;
-    BlockFactor<Scalar, 3> factor;
+    BlockCholesky<Scalar> cholesky;
     Refinement<Scalar> refinement;
   };
-  detail::DeepPointer<Parts> parts_;
+  detail::DeepPointer<Methods> methods_;
 };
 
 // Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
@@ -141,18 +147,15 @@ void AutoSolver<Scalar>::analyze(const std::shared_ptr<const BlockPattern>& patt
   *this = AutoSolver(options_);
   method_ = options_.method == SolverMethod::automatic ? SolverMethod::pcg : options_.method;
   if (method_ == SolverMethod::cholesky) {
-    parts_->cholesky.analyze(*pattern);
-    if (parts_->cholesky.fits()) {
-      parts_->cholesky.allocate();
-      parts_->factor.assign(parts_->cholesky.factor());
-      parts_->in_double = BlockMatrix<double>(pattern);
-      parts_->refinement = Refinement<Scalar>(pattern->rows());
+    methods_->cholesky.analyze(*pattern);
+    if (methods_->cholesky.is_ready()) {
+      methods_->refinement = Refinement<Scalar>(pattern->rows());
       return;
     }
     method_ = SolverMethod::pcg;
-    parts_->cholesky = {};
+    methods_->cholesky = {};
   }
-  parts_->pcg = Pcg<Scalar>(pattern->rows());
+  methods_->pcg = Pcg<Scalar>(pattern->rows());
   choose_preconditioner(pattern, rest);
 }
 
@@ -164,42 +167,50 @@ void AutoSolver<Scalar>::choose_preconditioner(const std::shared_ptr<const Block
   cost_ = SolveCost(pattern->blocks(), vertices);
   preconditioner_ = options_.preconditioner;
   if (preconditioner_ == jacobi || preconditioner_ == block_jacobi) {
-    parts_->diagonal = BlockJacobi<Scalar>(*pattern, preconditioner_ == block_jacobi);
+    methods_->diagonal = BlockJacobi<Scalar>(preconditioner_ == block_jacobi);
+    methods_->diagonal.analyze(pattern, rest);
     return;
   }
+  detail::Shared<SymbolicFactor> symbolic;
   if (preconditioner_ == warped_cholesky ||
       (preconditioner_ == automatic && vertices <= most_vertices_of_a_small_body)) {
-    parts_->warped.analyze(pattern, rest);
-    if (parts_->warped.fits()) warped_products_ = cost_.warped_cholesky(double(parts_->warped.factor_blocks()));
+    symbolic = detail::Shared<SymbolicFactor>::make(*pattern);
+    if (symbolic->fits()) warped_products_ = cost_.warped_cholesky(double(symbolic->blocks));
   }
-  if (preconditioner_ == warped_cholesky && parts_->warped.fits()) {
+  if (preconditioner_ == warped_cholesky && symbolic->fits()) {
     predicted_products_ = warped_products_;
-    parts_->warped.allocate();
+    methods_->warped.analyze(pattern, rest, symbolic);
     return;
   }
-  parts_->rigid.analyze(*pattern, rest, RigidAggregates<Scalar>::sizes_for(vertices));
-  predicted_products_ = cost_.rigid_aggregates(double(parts_->rigid.factor_blocks()));
+  methods_->rigid.analyze(pattern, rest);
+  predicted_products_ = cost_.rigid_aggregates(double(methods_->rigid.factor_blocks()));
   constexpr double most_iterations = 25;
-  may_change_ = preconditioner_ == automatic &&
-                warped_products_ < cost_.rigid_aggregates(double(parts_->rigid.factor_blocks()), most_iterations);
+  may_change_ =
+      preconditioner_ == automatic &&
+      warped_products_ < cost_.rigid_aggregates(double(methods_->rigid.factor_blocks()), most_iterations) &&
+      double(symbolic->blocks) * sizeof(double) < most_factor_memory * double(pattern->blocks()) * sizeof(Scalar);
   preconditioner_ = rigid_aggregates;
-  if (may_change_)
-    parts_->warped.allocate();
-  else
-    parts_->warped = {};
+  if (may_change_) methods_->warped.analyze(pattern, rest, symbolic);
+}
+
+template <std::floating_point Scalar>
+MemoryUse AutoSolver<Scalar>::memory() const {
+  const Methods& p = *methods_;
+  return MemoryUse{sizeof(Methods), 0} + p.pcg.memory() + p.diagonal.memory() + p.rigid.memory() + p.warped.memory() +
+         p.cholesky.memory() + p.refinement.memory();
 }
 
 template <std::floating_point Scalar>
 SolveReport AutoSolver<Scalar>::solve(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor) {
   if (method_ == SolverMethod::cholesky) return solve_directly(system, x, executor);
   if (may_change_ && watch_.begins(system.era)) preconditioner_ = PreconditionerKind::rigid_aggregates;
-  if (preconditioner_ == PreconditionerKind::warped_cholesky) return solve_by(parts_->warped, system, x, executor);
+  if (preconditioner_ == PreconditionerKind::warped_cholesky) return solve_by(methods_->warped, system, x, executor);
   if (preconditioner_ == PreconditionerKind::rigid_aggregates) {
-    const SolveReport report = solve_by(parts_->rigid, system, x, executor);
+    const SolveReport report = solve_by(methods_->rigid, system, x, executor);
     if (may_change_) compare(watch_.add(report.iterations));
     return report;
   }
-  return solve_by(parts_->diagonal, system, x, executor);
+  return solve_by(methods_->diagonal, system, x, executor);
 }
 
 template <std::floating_point Scalar>
@@ -207,18 +218,15 @@ SolveReport AutoSolver<Scalar>::solve_directly(const StepSystem<Scalar>& system,
                                                ExecutorRef executor) {
   std::fill(x.begin(), x.end(), Vec3<Scalar>::Zero());
   if (!is_tolerance(options_.tolerance)) return {SolveStatus::invalid_options, 0, 1.0};
-  for (Index k = 0; k < system.matrix.pattern().blocks(); ++k)
-    parts_->in_double.block(k) = system.matrix.block(k).template cast<double>();
-  if (!parts_->cholesky.factorize(parts_->in_double)) return {SolveStatus::breakdown, 0, 1.0};
-  parts_->factor.assign(parts_->cholesky.factor());
-  const auto factor = [this](const Field<Scalar>& r, Field<Scalar>& y) { parts_->factor.solve(r, y); };
-  return parts_->refinement.solve(system.matrix, factor, system.right_side, x, options_.tolerance, executor);
+  if (!methods_->cholesky.factorize(system.matrix)) return {SolveStatus::breakdown, 0, 1.0};
+  const auto factor = [this](const Field<Scalar>& r, Field<Scalar>& y) { methods_->cholesky.solve(r, y); };
+  return methods_->refinement.solve(system.matrix, factor, system.right_side, x, options_.tolerance, executor);
 }
 
 template <std::floating_point Scalar>
 void AutoSolver<Scalar>::compare(std::optional<double> iterations) {
   if (!iterations) return;
-  predicted_products_ = cost_.rigid_aggregates(double(parts_->rigid.factor_blocks()), *iterations);
+  predicted_products_ = cost_.rigid_aggregates(double(methods_->rigid.factor_blocks()), *iterations);
   if (warped_products_ >= predicted_products_) return;
   predicted_products_ = warped_products_;
   preconditioner_ = PreconditionerKind::warped_cholesky;

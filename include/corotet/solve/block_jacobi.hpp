@@ -4,10 +4,12 @@
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/buffer.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/range_sum.hpp>
 #include <corotet/solve/solver.hpp>
+#include <memory>
 
 namespace corotet::inline v0_1 {
 
@@ -15,16 +17,23 @@ namespace corotet::inline v0_1 {
 template <std::floating_point Scalar>
 class BlockJacobi {
  public:
+  using scalar_type = Scalar;
   /// The residual says little about the error here: see Pcg.
-  static constexpr int error_delay = 16;
+  static constexpr int estimator_delay = 16;
 
-  BlockJacobi() = default;
-  explicit BlockJacobi(const BlockPattern& pattern, bool whole_blocks = true)
-      : whole_blocks_(whole_blocks), inverse_(at(pattern.rows()), Inverse::Zero()), sum_(pattern.rows()) {}
+  explicit BlockJacobi(bool whole_blocks = true) : whole_blocks_(whole_blocks) {}
+
+  void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& /*rest*/) {
+    inverse_ = detail::Scratch<Inverse>(at(pattern->rows()));
+    sum_ = RangeSum(pattern->rows());
+  }
 
   void update(const StepSystem<Scalar>& system, ExecutorRef executor) {
     for_ranges(executor, size_of(inverse_), RangeSum::grain, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i) inverse_[at(i)].set_block(0, 0, inverse(system.matrix.diagonal(i)));
+      for (Index i = begin; i < end; ++i) {
+        inverse_[at(i)] = Inverse::Zero();
+        inverse_[at(i)].set_block(0, 0, inverse(system.matrix.diagonal(i)));
+      }
     });
   }
 
@@ -42,6 +51,8 @@ class BlockJacobi {
            Quad<Scalar>::load(d + 8) * Quad<Scalar>(r[2]);
   }
 
+  [[nodiscard]] MemoryUse memory() const { return MemoryUse{bytes_of(inverse_), 0} + sum_.memory(); }
+
  private:
   using Inverse = Matrix<Scalar, 4, 3>;  // each column with a zero behind it: a Quad
 
@@ -56,7 +67,7 @@ class BlockJacobi {
   }
 
   bool whole_blocks_ = true;
-  detail::Buffer<Inverse> inverse_;
+  detail::Scratch<Inverse> inverse_;
   RangeSum sum_;
 };
 

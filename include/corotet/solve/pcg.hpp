@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <corotet/core/buffer.hpp>
 #include <corotet/core/compiler.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/memory_use.hpp>
+#include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
-#include <corotet/solve/first_guess.hpp>
+#include <corotet/solve/initial_guess.hpp>
 #include <corotet/solve/range_sum.hpp>
 #include <corotet/solve/solver.hpp>
 #include <cstddef>
@@ -49,17 +52,17 @@ class RecentGains {
 }  // namespace detail
 
 /// Hestenes & Stiefel 1952, with a preconditioner P (Saad 2003, algorithm 9.1). Keeps its vectors, and the last
-/// solutions as first guesses, between solves.
+/// solutions as initial guesses, between solves.
 ///
 /// The error is estimated in two ways, of which the larger counts: as sqrt(r . P r), exact where P is the inverse of A;
 /// and by the energy that the last iterations have gained, which the error had when they began (Strakos & Tichy 2002,
-/// section 4). The second is what keeps a weak preconditioner honest: P::error_delay says how many iterations.
+/// section 4). The second is what keeps a weak preconditioner honest: P::estimator_delay says how many iterations.
 template <std::floating_point Scalar>
 class Pcg {
  public:
   Pcg() = default;
   COROTET_COLD explicit Pcg(Index vertices)
-      : x_(at(vertices)), r_(x_), z_(x_), p_(x_), q_(x_), guess_(vertices), sum_(vertices) {}
+      : x_(at(vertices)), r_(x_), z_(x_), p_(x_), guess_(vertices), sum_(vertices) {}
 
   /// Sets x to the solution. The residual that is reported is that of the x returned, measured; where rounding has made
   /// it larger than the iteration believed, the iteration starts again from x, as long as that helps.
@@ -68,7 +71,7 @@ class Pcg {
     SolveReport report;
     std::fill(x.begin(), x.end(), Vec3<Scalar>::Zero());
     if (!is_tolerance(options.tolerance) || options.max_iterations < 0) return {SolveStatus::invalid_options, 0, 1.0};
-    double energy = guess_.start(system, x_, r_, executor);
+    double energy = guess_.start(system, x_, r_, {&z_, &p_}, executor);
     double error2 = preconditioner.apply(r_, z_, executor);
     if (!std::isfinite(error2) || error2 < 0 || !std::isfinite(energy)) return {SolveStatus::breakdown, 0, 1.0};
 
@@ -98,23 +101,28 @@ class Pcg {
     return report;
   }
 
+  [[nodiscard]] MemoryUse memory() const { return MemoryUse{4 * bytes_of(x_), 0} + guess_.memory() + sum_.memory(); }
+
  private:
   /// Conjugate gradients from x_, whose residual is r_ with z_ = P r_ and r_ . z_ = rz, until the error that the
   /// recursion follows is small enough. `energy` is that of x, and follows it.
   void iterate(const BlockMatrix<Scalar>& matrix, PreconditionerRef<Scalar> preconditioner, double rz, double wanted,
                int max_iterations, double& energy, SolveReport& report, ExecutorRef executor) {
-    detail::RecentGains<PreconditionerRef<Scalar>::max_error_delay> gains(preconditioner.error_delay());
+    detail::RecentGains<PreconditionerRef<Scalar>::max_estimator_delay> gains(preconditioner.estimator_delay());
     // What the recursion has left below this is rounding: a small system is solved before the gains tell.
     constexpr auto rounding = static_cast<double>(std::numeric_limits<Scalar>::epsilon()) / 4;
-    p_ = z_;
+    for_ranges(executor, size_of(r_), RangeSum::grain, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i) p_[at(i)] = z_[at(i)];
+    });
     while ((std::max)(rz, gains.sum()) > wanted * energy && rz > rounding * rounding * energy) {
       if (report.iterations == max_iterations) {
         report.status = SolveStatus::iteration_limit;
         return;
       }
+      PaddedField<Scalar>& q = z_;  // = A p_; the z_ of before is in p_
       const double curvature = sum_(executor, [&](Index begin, Index end) {
-        for (Index i = begin; i < end; ++i) q_[at(i)].set(matrix.row_product(i, p_));
-        return range_dot(p_, q_, begin, end);
+        for (Index i = begin; i < end; ++i) q[at(i)].set(matrix.row_product(i, p_));
+        return range_dot(p_, q, begin, end);
       });
       ++report.iterations;
       if (!(curvature > 0) || !std::isfinite(curvature)) {
@@ -126,7 +134,7 @@ class Pcg {
         map_range(
             begin, end, x_, [=](auto x, auto p) { return x + alpha * p; }, x_, p_);
         map_range(
-            begin, end, r_, [=](auto r, auto q) { return r - alpha * q; }, r_, q_);
+            begin, end, r_, [=](auto r, auto ap) { return r - alpha * ap; }, r_, q);
       });
       const double gain = rz * (rz / curvature);
       energy += gain;
@@ -155,8 +163,8 @@ class Pcg {
     });
   }
 
-  PaddedField<Scalar> x_, r_, z_, p_, q_;
-  FirstGuess<Scalar> guess_;
+  detail::Scratch<PaddedVector<Scalar>> x_, r_, z_, p_;
+  InitialGuess<Scalar> guess_;
   RangeSum sum_;
 };
 

@@ -6,6 +6,7 @@
 #include <concepts>
 #include <corotet/core/buffer.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
 #include <cstddef>
@@ -79,12 +80,14 @@ class RangeSums {
     return sums;
   }
 
+  [[nodiscard]] MemoryUse memory() const { return {bytes_of(partial_), 0}; }
+
   /// Entries a task.
   static constexpr Index grain = 256;
 
  private:
   Index count_ = 0;
-  detail::Buffer<double> partial_;  // K a range
+  detail::Scratch<double> partial_;  // K a range
 };
 
 /// One sum.
@@ -98,6 +101,8 @@ class RangeSum {
   [[nodiscard]] double operator()(ExecutorRef executor, Part&& part) {
     return sums_(executor, [&](Index begin, Index end) { return RangeSums<1>::Sums{part(begin, end)}; })[0];
   }
+
+  [[nodiscard]] MemoryUse memory() const { return sums_.memory(); }
 
   static constexpr Index grain = RangeSums<1>::grain;
 

@@ -5,6 +5,7 @@
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/range_sum.hpp>
 #include <corotet/solve/solver.hpp>
@@ -45,6 +46,10 @@ class Refinement {
       }
       ++report.iterations;
     }
+  }
+
+  [[nodiscard]] MemoryUse memory() const {
+    return MemoryUse{bytes_of(residual_) + bytes_of(correction_), 0} + sum_.memory();
   }
 
  private:

@@ -31,7 +31,7 @@ class SolveCost {
   }
 
  private:
-  /// The first guess costs 1.4 products, the residual that is measured at the end one. Applications are those of the
+  /// The initial guess costs 1.4 products, the residual that is measured at the end one. Applications are those of the
   /// iterations, and one before and one after.
   [[nodiscard]] double solve(double iterations, double application, double update) const {
     const double vectors = 1.5 * vertices_;

@@ -10,23 +10,28 @@
 
 namespace corotet::inline v0_1 {
 
-/// Approximates the inverse of a matrix. Law: `apply` is linear, symmetric and positive definite, and returns r . z.
-/// `error_delay`: see Pcg.
-/// `update(system, executor)` takes new values on the pattern that it was made for, without allocating.
+/// Approximates the inverse of a matrix.
+/// `analyze(pattern, rest)` does the symbolic work for matrices on a pattern, and may allocate. `rest`: rest positions,
+/// m, one a row of the pattern.
+/// `update(system, executor)` takes new values on that pattern, without allocating; after a copy it comes first.
+/// `apply(r, z, executor)` sets z to P r and returns r . z, without allocating. Law: P is linear, symmetric and
+/// positive definite, with the same bits on any number of threads; it returns not-a-number if it cannot be applied.
+/// `estimator_delay`: see Pcg.
 template <class P, class Scalar>
-concept Preconditioner = requires(P& p, const StepSystem<Scalar>& system, const PaddedField<Scalar>& r,
-                                  PaddedField<Scalar>& z, ExecutorRef executor) {
+concept Preconditioner = requires(P& p, const StepSystem<Scalar>& system, const Field<Scalar>& rest,
+                                  const PaddedField<Scalar>& r, PaddedField<Scalar>& z, ExecutorRef executor) {
+  p.analyze(system.matrix.shared_pattern(), rest);
   p.update(system, executor);
   { p.apply(r, z, executor) } -> std::same_as<double>;
-  { P::error_delay } -> std::convertible_to<int>;
+  { P::estimator_delay } -> std::convertible_to<int>;
 };
 
 /// Refers to a preconditioner of any type, which must outlive it.
 template <std::floating_point Scalar>
 class PreconditionerRef {
  public:
-  /// The largest `error_delay` that a preconditioner may ask for.
-  static constexpr int max_error_delay = 16;
+  /// The largest `estimator_delay` that a preconditioner may ask for.
+  static constexpr int max_estimator_delay = 16;
 
   template <Preconditioner<Scalar> P>
   PreconditionerRef(P& preconditioner)  // NOLINT(google-explicit-constructor): as the preconditioner
@@ -34,19 +39,19 @@ class PreconditionerRef {
         apply_([](void* object, const PaddedField<Scalar>& r, PaddedField<Scalar>& z, ExecutorRef executor) {
           return static_cast<P*>(object)->apply(r, z, executor);
         }),
-        error_delay_(P::error_delay) {
-    static_assert(P::error_delay >= 0 && P::error_delay <= max_error_delay);
+        estimator_delay_(P::estimator_delay) {
+    static_assert(P::estimator_delay >= 0 && P::estimator_delay <= max_estimator_delay);
   }
 
   double apply(const PaddedField<Scalar>& r, PaddedField<Scalar>& z, ExecutorRef executor) const {
     return apply_(object_, r, z, executor);
   }
-  [[nodiscard]] int error_delay() const { return error_delay_; }
+  [[nodiscard]] int estimator_delay() const { return estimator_delay_; }
 
  private:
   void* object_;
   double (*apply_)(void*, const PaddedField<Scalar>&, PaddedField<Scalar>&, ExecutorRef);
-  int error_delay_;
+  int estimator_delay_;
 };
 
 /// How a solve ended.

@@ -6,88 +6,83 @@
 #include <corotet/core/buffer.hpp>
 #include <corotet/core/compiler.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/register.hpp>
+#include <corotet/core/shared.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/block_cholesky.hpp>
-#include <corotet/solve/block_factor.hpp>
 #include <corotet/solve/range_sum.hpp>
-#include <corotet/solve/renewal.hpp>
+#include <corotet/solve/refactorization_policy.hpp>
 #include <corotet/solve/rotation_of_points.hpp>
 #include <corotet/solve/solver.hpp>
+#include <corotet/solve/symbolic_factor.hpp>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <memory>
+#include <utility>
+#include <vector>
 
 namespace corotet::inline v0_1 {
 
 /// z = Q A0^-1 Q^T r, where Q turns each vertex as its neighbours have turned, and A0 = Q^T A Q at the time of the
 /// factorisation. Each element's warped stiffness is R K_e R^T, so that Q A0 Q^T is close to A as long as neighbours
 /// turn alike (Courtecuisse, Allard, Duriez & Cotin 2010, "Asynchronous preconditioners for efficient solving of
-/// non-linear deformations", turn a factor so). Factors again when Renewal says so.
+/// non-linear deformations", turn a factor so). RefactorizationPolicy says when the factor is made again.
 template <std::floating_point Scalar>
 class WarpedCholesky {
  public:
-  static constexpr int error_delay = 0;
+  using scalar_type = Scalar;
+  static constexpr int estimator_delay = 0;
 
-  WarpedCholesky() = default;
-
-  /// Ordering and pattern of the factor; `allocate` must follow before use.
+  /// If the factor is too large for 32-bit indices, `apply` returns not-a-number.
   COROTET_COLD void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest) {
-    pattern_ = pattern;
-    rest_ = PaddedField<Scalar>(rest.size());
-    for (std::size_t v = 0; v < rest.size(); ++v) rest_[v].set(rest[v]);
-    cholesky_.analyze(*pattern);
+    analyze(pattern, rest, detail::Shared<SymbolicFactor>::make(*pattern));
   }
-  [[nodiscard]] bool fits() const { return cholesky_.fits(); }
-  [[nodiscard]] std::size_t factor_blocks() const { return cholesky_.factor_blocks(); }
-  [[nodiscard]] double factor_flops() const { return cholesky_.factor_flops(); }
-
-  COROTET_COLD void allocate() {
-    cholesky_.allocate();
-    unturned_ = BlockMatrix<double>(pattern_);
-    factor_.assign(cholesky_.factor());
-    place_ = rest_;
-    rotation_.assign(rest_.size(), Mat3<Scalar>::Identity());
-    turned_back_.assign(rest_.size(), Vec3<Scalar>::Zero());
-    sum_ = RangeSum(size_of(rest_));
+  /// The same with a symbolic factor of the pattern that is there.
+  COROTET_COLD void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest,
+                            detail::Shared<SymbolicFactor> symbolic) {
+    *this = {};
+    pattern_ = pattern;
+    PaddedField<Scalar> padded(rest.size());
+    for (std::size_t v = 0; v < rest.size(); ++v) padded[v].set(rest[v]);
+    rest_ = detail::Shared<PaddedField<Scalar>>::make(std::move(padded));
+    cholesky_.analyze(std::move(symbolic));
+    rotation_ = detail::Scratch<Mat3<Scalar>>(rest.size());
+    sum_ = RangeSum(size_of(rest));
   }
 
   void update(const StepSystem<Scalar>& system, ExecutorRef executor) {
+    if (!cholesky_.is_ready()) return;
     turn(system.displacement, executor);
-    if (!renewal_.due(system.era)) return;
-    const BlockPattern& p = *pattern_;
-    for_ranges(executor, p.rows(), RangeSum::grain, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i)
-        for (Index k = p.row_start[at(i)]; k < p.row_start[at(i) + 1]; ++k)
-          unturned_.block(k) = (rotation_[at(i)].transpose() * system.matrix.block(k) * rotation_[at(p.column[at(k)])])
-                                   .template cast<double>();
-    });
-    if (cholesky_.factorize(unturned_)) {
-      factor_.assign(cholesky_.factor());
-      usable_ = true;
-    } else {
-      renewal_.failed();  // and the last factor that could be made serves on
-    }
+    if (!policy_.should_refactor(system.era)) return;
+    for (const double shift : RefactorizationPolicy::shifts)
+      if (factorize(system.matrix, shift, executor)) return;
+    policy_.failed();
   }
 
   double apply(const PaddedField<Scalar>& r, PaddedField<Scalar>& z, ExecutorRef executor) {
-    if (!usable_) return std::numeric_limits<double>::quiet_NaN();
-    renewal_.count();
+    if (!cholesky_.has_factor()) return std::numeric_limits<double>::quiet_NaN();
+    policy_.count();
+    const std::vector<Index>& place = cholesky_.symbolic().place;
     for_ranges(executor, size_of(r), RangeSum::grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) {
         const Columns column = columns(rotation_[at(i)]);
-        product(transposed(column[0], column[1], column[2]), r[at(i)])
-            .template store_part<3>(turned_back_[at(i)].data());
+        product(transposed(column[0], column[1], column[2]), r[at(i)]).store(cholesky_.segment(place[at(i)]));
       }
     });
-    Scalar* const numbers = turned_back_.front().data();
-    factor_.solve(numbers, numbers);
+    cholesky_.solve_segments();
     return sum_(executor, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i)
-        z[at(i)].set(product(columns(rotation_[at(i)]), turned_back_[at(i)]).first_three());
+        z[at(i)].set(product(columns(rotation_[at(i)]), cholesky_.segment(place[at(i)])).first_three());
       return range_dot(r, z, begin, end);
     });
+  }
+
+  [[nodiscard]] MemoryUse memory() const {
+    MemoryUse use = cholesky_.memory() + sum_.memory();
+    use.owned += bytes_of(rotation_);
+    if (rest_) use.shared += bytes_of(*rest_);
+    return use;
   }
 
  private:
@@ -103,21 +98,46 @@ class WarpedCholesky {
     return column[0] * Q(v[0]) + column[1] * Q(v[1]) + column[2] * Q(v[2]);
   }
 
+  /// The factor of the matrix, turned back, with `shift` times its diagonal more.
+  COROTET_COLD bool factorize(const BlockMatrix<Scalar>& matrix, double shift, ExecutorRef executor) {
+    const BlockPattern& p = *pattern_;
+    cholesky_.begin();
+    for_ranges(executor, p.rows(), RangeSum::grain, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i) {
+        const Mat3<Scalar> back = rotation_[at(i)].transpose();
+        for (Index k = p.row_start[at(i)]; k < p.row_start[at(i) + 1]; ++k) {
+          if (!cholesky_.takes(k)) continue;
+          const auto to = cholesky_.entry(k);
+          to = (back * matrix.block(k) * rotation_[at(p.column[at(k)])]).template cast<double>();
+          if (k == p.diagonal[at(i)])
+            for (int c = 0; c < 3; ++c) to(c, c) *= 1 + shift;
+        }
+      }
+    });
+    return cholesky_.factorize();
+  }
+
   /// The rotation of each vertex: that of the edges to its neighbours.
   void turn(const Field<Scalar>& displacement, ExecutorRef executor) {
     const BlockPattern& p = *pattern_;
+    const PaddedField<Scalar>& rest_positions = *rest_;
+    const auto place = [&](Index i) { return Q::load(cholesky_.segment(i)); };  // free outside a solve
     for_ranges(executor, p.rows(), RangeSum::grain, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i) place_[at(i)].set(rest_[at(i)].vector() + displacement[at(i)]);
+      for (Index i = begin; i < end; ++i) {
+        PaddedVector<Scalar> moved;
+        moved.set(rest_positions[at(i)].vector() + displacement[at(i)]);
+        moved.quad().store(cholesky_.segment(i));
+      }
     });
     for_ranges(executor, p.rows(), RangeSum::grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) {
-        const Q rest = rest_[at(i)].quad(), place = place_[at(i)].quad();
+        const Q rest = rest_positions[at(i)].quad(), here = place(i);
         Columns moment{Q(Scalar(0)), Q(Scalar(0)), Q(Scalar(0))};
         for (Index k = p.row_start[at(i)]; k < p.row_start[at(i) + 1]; ++k) {
           const Index j = p.column[at(k)];
-          const Q now = place_[at(j)].quad() - place;
+          const Q now = place(j) - here;
           PaddedVector<Scalar> edge;
-          edge.set(rest_[at(j)].quad() - rest);
+          edge.set(rest_positions[at(j)].quad() - rest);
           COROTET_UNROLL
           for (std::size_t c = 0; c < 3; ++c) moment[c] += now * Q(edge[c]);
         }
@@ -127,16 +147,14 @@ class WarpedCholesky {
     rotations_of_moments(rotation_, executor);
   }
 
+  static_assert(BlockCholesky<Scalar>::width == 4);
+
   std::shared_ptr<const BlockPattern> pattern_;
-  PaddedField<Scalar> rest_, place_;  // m
-  Field<Scalar> turned_back_;
-  detail::Buffer<Mat3<Scalar>> rotation_;
-  BlockCholesky<double> cholesky_;
-  BlockMatrix<double> unturned_;
-  BlockFactor<Scalar, 3> factor_;
-  Renewal renewal_;
+  detail::Shared<PaddedField<Scalar>> rest_;  // m
+  detail::Scratch<Mat3<Scalar>> rotation_;    // of each vertex, as `update` found it
+  BlockCholesky<Scalar> cholesky_;
+  RefactorizationPolicy policy_;
   RangeSum sum_;
-  bool usable_ = false;
 };
 
 }  // namespace corotet::inline v0_1

@@ -1,10 +1,11 @@
-// Where conjugate gradients start: motion changes little from step to step, so the last solutions nearly hold the next.
+// Where conjugate gradients start: the span of the last solutions nearly holds the next, as motion changes little.
 #pragma once
 
 #include <array>
 #include <cmath>
 #include <corotet/core/compiler.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/range_sum.hpp>
@@ -18,26 +19,30 @@ namespace corotet::inline v0_1 {
 /// energy norm (Fischer 1998, "Projection techniques for iterative solution of Ax = b with successive right-hand
 /// sides", method 1): whatever they are worth, it is no farther away than zero is. Costs one pass over the matrix.
 template <std::floating_point Scalar>
-class FirstGuess {
+class InitialGuess {
  public:
   static constexpr std::size_t depth = 2;
 
-  FirstGuess() = default;
-  COROTET_COLD explicit FirstGuess(Index vertices) : sums_(vertices) {
-    for (std::size_t k = 0; k < depth; ++k) product_[k] = last_[k] = PaddedField<Scalar>(at(vertices));
+  InitialGuess() = default;
+  COROTET_COLD explicit InitialGuess(Index vertices) : sums_(vertices) {
+    for (PaddedField<Scalar>& last : last_) last = PaddedField<Scalar>(at(vertices));
   }
 
+  /// Fields of the caller for the products of the matrix with the last solutions.
+  using Products = std::array<PaddedField<Scalar>*, depth>;
+
   /// Sets x to the guess and r to right_side - A x; returns the guess's energy x . A x.
-  double start(const StepSystem<Scalar>& system, PaddedField<Scalar>& x, PaddedField<Scalar>& r, ExecutorRef executor) {
+  double start(const StepSystem<Scalar>& system, PaddedField<Scalar>& x, PaddedField<Scalar>& r,
+               const Products& product, ExecutorRef executor) {
     for (PaddedField<Scalar>& last : last_)
       for (const Index v : system.pinned) last[at(v)] = {};
     const Sums sums = sums_(executor, [&](Index begin, Index end) {
-      multiply(system.matrix, begin, end);
+      multiply(system.matrix, product, begin, end);
       for (Index i = begin; i < end; ++i) r[at(i)].set(system.right_side[at(i)]);
       Sums part;
       std::size_t n = 0;
       for (std::size_t k = 0; k < depth; ++k) {
-        for (std::size_t l = 0; l <= k; ++l) part[n++] = range_dot(last_[k], product_[l], begin, end);
+        for (std::size_t l = 0; l <= k; ++l) part[n++] = range_dot(last_[k], *product[l], begin, end);
         part[n++] = range_dot(last_[k], r, begin, end);
       }
       return part;
@@ -49,7 +54,7 @@ class FirstGuess {
       map_range(
           begin, end, x, [=](auto p, auto q) { return a * p + b * q; }, last_[0], last_[1]);
       map_range(
-          begin, end, r, [=](auto s, auto p, auto q) { return s - a * p - b * q; }, r, product_[0], product_[1]);
+          begin, end, r, [=](auto s, auto p, auto q) { return s - a * p - b * q; }, r, *product[0], *product[1]);
     });
     return c.energy;
   }
@@ -59,6 +64,8 @@ class FirstGuess {
     for (std::size_t k = depth - 1; k > 0; --k) std::swap(last_[k], last_[k - 1]);
     std::swap(last_[0], x);
   }
+
+  [[nodiscard]] MemoryUse memory() const { return MemoryUse{depth * bytes_of(last_[0]), 0} + sums_.memory(); }
 
  private:
   /// For each k: x_k . A x_l for l <= k, then x_k . b
@@ -112,7 +119,7 @@ class FirstGuess {
   }
 
   /// Rows [begin, end) of all products, for one read of the matrix.
-  void multiply(const BlockMatrix<Scalar>& matrix, Index begin, Index end) {
+  void multiply(const BlockMatrix<Scalar>& matrix, const Products& product, Index begin, Index end) const {
     using Q = Quad<Scalar>;
     const BlockPattern& p = matrix.pattern();
     for (Index i = begin; i < end; ++i) {
@@ -129,11 +136,11 @@ class FirstGuess {
         }
       }
       for (std::size_t v = 0; v < depth; ++v)
-        product_[v][at(i)].set((sum[3 * v] + sum[3 * v + 1] + sum[3 * v + 2]).first_three());
+        (*product[v])[at(i)].set((sum[3 * v] + sum[3 * v + 1] + sum[3 * v + 2]).first_three());
     }
   }
 
-  std::array<PaddedField<Scalar>, depth> last_, product_;
+  std::array<PaddedField<Scalar>, depth> last_;
   RangeSums<sum_count> sums_;
 };
 

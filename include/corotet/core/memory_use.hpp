@@ -1,0 +1,25 @@
+// How many bytes an object takes.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace corotet::inline v0_1 {
+
+/// Bytes on the heap. `owned`: of the object alone, which each copy has again. `shared`: immutable, and held by all
+/// copies together. Neither counts the object itself (sizeof), nor what the allocator adds to a block.
+struct MemoryUse {
+  std::size_t owned = 0, shared = 0;
+
+  friend MemoryUse operator+(const MemoryUse& a, const MemoryUse& b) {
+    return {a.owned + b.owned, a.shared + b.shared};
+  }
+  MemoryUse& operator+=(const MemoryUse& other) { return *this = *this + other; }
+};
+
+template <class T>
+[[nodiscard]] std::size_t bytes_of(const std::vector<T>& array) {
+  return array.capacity() * sizeof(T);
+}
+
+}  // namespace corotet::inline v0_1
