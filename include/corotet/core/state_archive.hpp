@@ -26,7 +26,7 @@ class StateArchive {
     measure,  ///< counts bytes
     write,
     compare,  ///< goes through bytes and compares what must agree, changes nothing
-    read    ///< replaces the state
+    read      ///< replaces the state
   };
 
   StateArchive() = default;  // measures
@@ -75,9 +75,18 @@ class StateArchive {
   void list(std::vector<T>& several) {
     std::uint64_t count = several.size();
     numbers(&count, sizeof count, 1, true);
-    if (mode_ == Mode::compare) return skip(sizeof(T) * count);
+    if (mode_ == Mode::compare) return skip(count, sizeof(T));
     if (mode_ == Mode::read) several.resize(static_cast<std::size_t>(count));
     for (T& each : several) (*this)(each);
+  }
+
+  /// Numbers side by side whose count is part of the state: that which was written.
+  template <class T>
+  std::size_t some(T* first, std::size_t count) {
+    std::uint64_t stored = count;
+    numbers(&stored, sizeof stored, 1, true);
+    numbers(first, sizeof(T), static_cast<std::size_t>(stored));
+    return static_cast<std::size_t>(stored);
   }
 
   /// What must be the same when it is read.
@@ -102,6 +111,10 @@ class StateArchive {
 
   /// `always`: read also where only checked.
   void numbers(void* data, std::size_t size, std::size_t count, bool always = false) {
+    if (mode_ != Mode::measure && count > (mode_ == Mode::write ? out_.size() : in_.size()) / size) {
+      ok_ = false;
+      return;
+    }
     const std::size_t bytes = size * count;
     auto* const object = static_cast<std::byte*>(data);
     if (mode_ == Mode::write && bytes <= out_.size() - place_) {
@@ -117,13 +130,14 @@ class StateArchive {
     place_ += bytes;
   }
 
-  void skip(std::uint64_t bytes) {
-    if (!ok_ || bytes > in_.size() - place_) {
+  void skip(std::uint64_t count, std::size_t size) {
+    if (!ok_ || count > (in_.size() - place_) / size) {
       ok_ = false;
       return;
     }
-    add_to_hash(in_.subspan(place_, static_cast<std::size_t>(bytes)));
-    place_ += static_cast<std::size_t>(bytes);
+    const std::size_t bytes = static_cast<std::size_t>(count) * size;
+    add_to_hash(in_.subspan(place_, bytes));
+    place_ += bytes;
   }
 
   static void copy(std::byte* to, const std::byte* from, std::size_t size, std::size_t count) {

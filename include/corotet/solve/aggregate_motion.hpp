@@ -6,6 +6,7 @@
 #include <corotet/core/executor.hpp>
 #include <corotet/core/memory_use.hpp>
 #include <corotet/core/register.hpp>
+#include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/aggregate_hierarchy.hpp>
 #include <corotet/solve/rigid_modes.hpp>
@@ -86,6 +87,13 @@ struct AggregateMotion {
 
   [[nodiscard]] std::size_t bytes() const {
     return fine.bytes() + coarse.bytes() + bytes_of(offset) + bytes_of(arm) + bytes_of(moves);
+  }
+
+  /// What `pin` has set; the rest follows from `place`.
+  COROTET_COLD void visit_state(detail::StateArchive& archive) {
+    archive(moves);
+    archive(fine.inverse_size);
+    archive(coarse.inverse_size);
   }
 
  private:

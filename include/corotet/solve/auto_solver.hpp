@@ -9,6 +9,7 @@
 #include <corotet/core/instances.hpp>
 #include <corotet/core/memory_use.hpp>
 #include <corotet/core/shared.hpp>
+#include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/block_cholesky.hpp>
 #include <corotet/solve/block_jacobi.hpp>
@@ -87,6 +88,9 @@ class AutoSolver {
   [[nodiscard]] const Options& options() const { return options_; }
 
   [[nodiscard]] COROTET_COLD MemoryUse memory() const;
+
+  /// For snapshots.
+  COROTET_COLD void visit_state(detail::StateArchive& archive);
 
  private:
   template <class P>
@@ -191,6 +195,17 @@ void AutoSolver<Scalar>::choose_preconditioner(const std::shared_ptr<const Block
       double(symbolic->blocks) * sizeof(double) < most_factor_memory * double(pattern->blocks()) * sizeof(Scalar);
   preconditioner_ = rigid_aggregates;
   if (may_change_) methods_->warped.analyze(pattern, rest, symbolic);
+}
+
+template <std::floating_point Scalar>
+void AutoSolver<Scalar>::visit_state(detail::StateArchive& archive) {
+  archive.expect(static_cast<std::uint64_t>(method_));
+  archive(preconditioner_);
+  archive(predicted_products_);
+  watch_.visit_state(archive);
+  methods_->pcg.visit_state(archive);
+  methods_->rigid.visit_state(archive);
+  methods_->warped.visit_state(archive);
 }
 
 template <std::floating_point Scalar>

@@ -8,6 +8,7 @@
 #include <corotet/core/memory_use.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/shared.hpp>
+#include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/small_cholesky.hpp>
 #include <corotet/solve/symbolic_factor.hpp>
@@ -146,6 +147,12 @@ class BlockCholesky {
   }
 
   static constexpr std::size_t width = B <= 4 ? 4 : 8;  ///< of a segment
+
+  /// The factor, if there is one.
+  COROTET_COLD void visit_state(detail::StateArchive& archive) {
+    const std::size_t count = archive.some(reinterpret_cast<Scalar*>(value_.data()), has_factor_ ? value_.size() : 0);
+    if (archive.reads()) has_factor_ = count > 0;
+  }
 
   [[nodiscard]] MemoryUse memory() const {
     return {bytes_of(value_) + bytes_of(segment_) + bytes_of(index_), symbolic_ ? symbolic_->bytes() : 0};

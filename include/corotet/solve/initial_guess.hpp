@@ -7,6 +7,7 @@
 #include <corotet/core/executor.hpp>
 #include <corotet/core/memory_use.hpp>
 #include <corotet/core/register.hpp>
+#include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/range_sum.hpp>
 #include <corotet/solve/step_system.hpp>
@@ -66,6 +67,8 @@ class InitialGuess {
   }
 
   [[nodiscard]] MemoryUse memory() const { return MemoryUse{depth * bytes_of(last_[0]), 0} + sums_.memory(); }
+
+  void visit_state(detail::StateArchive& archive) { archive(last_); }
 
  private:
   /// For each k: x_k . A x_l for l <= k, then x_k . b

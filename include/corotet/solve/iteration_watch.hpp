@@ -1,6 +1,7 @@
 // How many iterations solves take, as long as the system changes with the motion alone.
 #pragma once
 
+#include <corotet/core/state_archive.hpp>
 #include <cstdint>
 #include <optional>
 
@@ -28,6 +29,12 @@ class IterationWatch {
     solves_ = first;
     sum_ = 0;
     return mean;
+  }
+
+  void visit_state(detail::StateArchive& archive) {
+    archive(era_);
+    archive(solves_);
+    archive(sum_);
   }
 
  private:

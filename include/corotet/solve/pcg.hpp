@@ -9,6 +9,7 @@
 #include <corotet/core/executor.hpp>
 #include <corotet/core/memory_use.hpp>
 #include <corotet/core/register.hpp>
+#include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/initial_guess.hpp>
 #include <corotet/solve/range_sum.hpp>
@@ -100,6 +101,8 @@ class Pcg {
     guess_.remember(x_);
     return report;
   }
+
+  void visit_state(detail::StateArchive& archive) { guess_.visit_state(archive); }
 
   [[nodiscard]] MemoryUse memory() const { return MemoryUse{4 * bytes_of(x_), 0} + guess_.memory() + sum_.memory(); }
 

@@ -5,6 +5,7 @@
 #include <corotet/core/compiler.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/memory_use.hpp>
+#include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/pcg.hpp>
 #include <corotet/solve/solver.hpp>
@@ -36,6 +37,12 @@ class PcgSolver {
 
   [[nodiscard]] const Options& options() const { return options_; }
   [[nodiscard]] const P& preconditioner() const { return preconditioner_; }
+
+  /// For snapshots: with the preconditioner's state, if it has one.
+  COROTET_COLD void visit_state(detail::StateArchive& archive) {
+    pcg_.visit_state(archive);
+    if constexpr (requires { preconditioner_.visit_state(archive); }) preconditioner_.visit_state(archive);
+  }
 
   [[nodiscard]] MemoryUse memory() const
     requires requires(const P& p) {

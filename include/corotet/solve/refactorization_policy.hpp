@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <corotet/core/state_archive.hpp>
 #include <cstdint>
 
 namespace corotet::inline v0_1 {
@@ -38,6 +39,13 @@ class RefactorizationPolicy {
 
   /// To be called at each application.
   void count() { ++applications_; }
+
+  void visit_state(detail::StateArchive& archive) {
+    archive(era_);
+    archive(age_);
+    archive(applications_);
+    archive(fewest_);
+  }
 
  private:
   static constexpr int least_age = 50;  // solves

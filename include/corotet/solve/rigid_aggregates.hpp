@@ -10,6 +10,7 @@
 #include <corotet/core/memory_use.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/shared.hpp>
+#include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/aggregate_hierarchy.hpp>
 #include <corotet/solve/aggregate_motion.hpp>
@@ -111,6 +112,13 @@ class RigidAggregates {
                  bytes_of(own_inverse_) + bytes_of(product_);
     if (model_) use.shared += model_->hierarchy.bytes() + model_->coarse_pattern.bytes();
     return use;
+  }
+
+  COROTET_COLD void visit_state(detail::StateArchive& archive) {
+    motion_.visit_state(archive);
+    cholesky_.visit_state(archive);
+    archive(own_inverse_);
+    policy_.visit_state(archive);
   }
 
  private:

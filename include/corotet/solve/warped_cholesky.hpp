@@ -9,6 +9,7 @@
 #include <corotet/core/memory_use.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/shared.hpp>
+#include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/block_cholesky.hpp>
 #include <corotet/solve/range_sum.hpp>
@@ -83,6 +84,11 @@ class WarpedCholesky {
     use.owned += bytes_of(rotation_);
     if (rest_) use.shared += bytes_of(*rest_);
     return use;
+  }
+
+  COROTET_COLD void visit_state(detail::StateArchive& archive) {
+    cholesky_.visit_state(archive);
+    policy_.visit_state(archive);
   }
 
  private:
