@@ -60,6 +60,7 @@
 #include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/file_path.hpp>
+#include <corotet/core/fixed_array.hpp>
 #include <corotet/core/from_chars_by_strtod.hpp>
 #include <corotet/core/instances.hpp>
 #include <corotet/core/lanes.hpp>

@@ -128,6 +128,9 @@ class BlockMatrix {
     }
   }
 
+  /// Of the values; the pattern is shared.
+  [[nodiscard]] std::size_t bytes() const { return bytes_of(value_); }
+
  private:
   static constexpr std::size_t block_size = std::size_t{B} * B;
   static constexpr std::size_t padding = 4;

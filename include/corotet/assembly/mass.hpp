@@ -59,6 +59,7 @@ class Mass {
   }
 
   [[nodiscard]] MassModel model() const { return model_; }
+  [[nodiscard]] std::size_t bytes() const { return bytes_of(factor_) + bytes_of(row_sum_); }
 
   /// Mass of the whole body, kg.
   [[nodiscard]] double total() const { return total_; }

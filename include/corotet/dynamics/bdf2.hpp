@@ -8,6 +8,7 @@
 #include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/instances.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/revision.hpp>
 #include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
@@ -78,6 +79,14 @@ class Bdf2Scheme {
     if (pins_ == body.pins().revision()) return;
     pins_ = body.pins().revision();
     for (Index v = 0; v < body.vertex_count(); ++v) pinned_[at(v)] = body.pins().axes_of(v);
+  }
+
+  [[nodiscard]] MemoryUse memory() const {
+    MemoryUse use = sums_.memory();
+    for (const Field<Scalar>* field : {&last_position_, &last_velocity_, &x_history_, &v_history_})
+      use.owned += bytes_of(*field);
+    use.owned += bytes_of(pinned_);
+    return use;
   }
 
   /// For snapshots.
@@ -178,6 +187,9 @@ class Bdf2 {
     return step(body, h, StepContext<Scalar>{executor, observer, {}, {}});
   }
   StepReport step(Body& body, Scalar h, const StepContext<Scalar>& context);
+
+  /// Bytes that the integrator takes besides the body, and those that it shares with its copies.
+  [[nodiscard]] COROTET_COLD MemoryUse memory() const { return implementation_.memory(); }
 
   /// Forgets all earlier steps, as if it had just been made for the body. Allocates.
   COROTET_COLD void reset(const Body& body) { implementation_.reset(body); }

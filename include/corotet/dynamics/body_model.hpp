@@ -56,6 +56,11 @@ class BodyModel {
   /// How long sound takes through the body where it is thin, s: see thickness.
   [[nodiscard]] double crossing_time() const { return crossing_time_; }
 
+  /// Memory of the mesh, the law, the pattern and the mass.
+  [[nodiscard]] COROTET_COLD std::size_t bytes() const {
+    return sizeof(*this) + mesh_->bytes() + law_.bytes() + pattern_->bytes() + mass_.bytes();
+  }
+
   /// The same for models of the same mesh, materials and options alone, in any program: for snapshots.
   [[nodiscard]] std::uint64_t fingerprint() const { return fingerprint_; }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <corotet/core/buffer.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/revision.hpp>
 #include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
@@ -112,6 +113,8 @@ class EnergyBound {
   [[nodiscard]] double noise(double energy, double position_rounding) const {
     return rounding * energy + position_rounding * (std::sqrt(2 * energy / vertices_) + position_rounding / vertices_);
   }
+
+  [[nodiscard]] MemoryUse memory() const { return MemoryUse{bytes_of(scratch_), 0} + sums_.memory(); }
 
   /// For snapshots.
   void visit_state(detail::StateArchive& archive, const Body& body) {

@@ -4,6 +4,7 @@
 #include <corotet/core/compiler.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/instances.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/state_archive.hpp>
 #include <corotet/dynamics/integrator.hpp>
 #include <corotet/dynamics/newton_options.hpp>
@@ -46,6 +47,9 @@ class ImplicitEuler {
   }
   /// The same with terms that act on the body besides its own. The first step with some allocates memory for them.
   StepReport step(Body& body, Scalar h, const StepContext<Scalar>& context);
+
+  /// Bytes that the integrator takes besides the body, and those that it shares with its copies.
+  [[nodiscard]] COROTET_COLD MemoryUse memory() const { return implementation_.memory(); }
 
   /// Forgets all earlier steps, as if it had just been made for the body. Allocates.
   COROTET_COLD void reset(const Body& body) { implementation_.reset(body); }

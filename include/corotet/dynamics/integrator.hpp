@@ -2,8 +2,11 @@
 #pragma once
 
 #include <algorithm>
+#include <corotet/core/buffer.hpp>
 #include <corotet/core/compiler.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/fixed_array.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/newton_options.hpp>
@@ -15,7 +18,6 @@
 #include <corotet/solve/solver.hpp>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
 namespace corotet::inline v0_1 {
 
@@ -44,6 +46,11 @@ class PieceIntegrator {
     solver_.visit_state(archive, body);
     if constexpr (requires { scheme_.visit_state(archive, body); }) scheme_.visit_state(archive, body);
   }
+  [[nodiscard]] COROTET_COLD MemoryUse memory() const {
+    MemoryUse use = solver_.memory();
+    if constexpr (requires { scheme_.memory(); }) use += scheme_.memory();
+    return use;
+  }
   COROTET_COLD void reset(const Body& body) {
     solver_.reset(body);
     scheme_ = Scheme(body);
@@ -64,17 +71,17 @@ class Integrator {
 
   /// Symbolic work and memory for `body` and its copies.
   COROTET_COLD Integrator(const Body& body, const Solver& solver, const NewtonOptions& newton)
-      : options_(newton), pieces_(body) {
-    integrators_.reserve(at((std::max)(pieces_.count(), Index{1})));
+      : options_(newton), pieces_(body), integrators_(at((std::max)(pieces_.count(), Index{1}))) {
     if (pieces_.count() == 0) integrators_.emplace_back(body, solver, newton);
     for (Index p = 0; p < pieces_.count(); ++p) integrators_.emplace_back(pieces_.body(p), solver, newton);
+    reports_ = detail::Buffer<StepReport>(at(pieces_.count()));
   }
 
   [[nodiscard]] const NewtonOptions& newton() const { return options_; }
   /// Of the first piece.
   [[nodiscard]] const Solver& solver() const { return integrators_.front().solver(); }
   /// 1, or the number of pieces of the body that do not touch.
-  [[nodiscard]] Index piece_count() const { return size_of(integrators_); }
+  [[nodiscard]] Index piece_count() const { return static_cast<Index>(integrators_.size()); }
 
   /// The body of a piece: `body` itself where there is but one.
   [[nodiscard]] const Body& piece_body(Index piece, const Body& body) const {
@@ -96,7 +103,6 @@ class Integrator {
     const StepReport refusal = check_step(body, Scalar(1), options_);  // in the numbers of the whole body
     if (!refusal.accepted()) return refusal;
     pieces_.take_from(body);
-    reports_.resize(integrators_.size());
     const auto step_one = [&](Index p, StepContext<Scalar> inner) {
       inner.piece = pieces_.vertices(p);
       reports_[at(p)] = step_piece(p, integrators_[at(p)], pieces_.body(p), inner);
@@ -107,6 +113,14 @@ class Integrator {
     else
       for (Index p = 0; p < pieces_.count(); ++p) step_one(p, context);
     return join(body);
+  }
+
+  /// Bytes that the integrator takes besides the body, and those that it shares with its copies.
+  [[nodiscard]] COROTET_COLD MemoryUse memory() const {
+    MemoryUse use = pieces_.memory();
+    use.owned += integrators_.capacity() * sizeof(Piece) + bytes_of(reports_);
+    for (const Piece& integrator : integrators_) use += integrator.memory();
+    return use;
   }
 
   /// For snapshots.
@@ -152,8 +166,8 @@ class Integrator {
 
   NewtonOptions options_;
   Pieces<Body> pieces_;
-  std::vector<Piece> integrators_;
-  std::vector<StepReport> reports_;
+  detail::FixedArray<Piece> integrators_;
+  detail::Buffer<StepReport> reports_;  // of pieces
 };
 
 }  // namespace corotet::inline v0_1

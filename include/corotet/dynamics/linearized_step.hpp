@@ -9,6 +9,7 @@
 #include <corotet/core/compiler.hpp>
 #include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/revision.hpp>
 #include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
@@ -240,6 +241,12 @@ class LinearizedStep {
   /// Elastic and of all terms on a vertex, at the evaluated state, N.
   [[nodiscard]] Vec3<Scalar> force(const Body& body, Index i) const {
     return evaluation_.vertex_force(*body.pattern(), i) + terms_.force(i);
+  }
+
+  [[nodiscard]] MemoryUse memory() const {
+    return MemoryUse{evaluation_.bytes() + matrix_.bytes() + (damping_ ? damping_->bytes() : 0) + bytes_of(right_side_),
+                     0} +
+           terms_.memory() + sums_.memory() + momentum_.memory();
   }
 
   /// For snapshots. What was evaluated is found again from the displacement.

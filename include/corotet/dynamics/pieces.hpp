@@ -3,6 +3,8 @@
 
 #include <corotet/assembly/block_pattern.hpp>
 #include <corotet/core/compiler.hpp>
+#include <corotet/core/fixed_array.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/revision.hpp>
 #include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
@@ -30,7 +32,7 @@ class Pieces {
   }
 
   /// 0 for a body of one piece.
-  [[nodiscard]] Index count() const { return size_of(pieces_); }
+  [[nodiscard]] Index count() const { return static_cast<Index>(pieces_.size()); }
   [[nodiscard]] Body& body(Index piece) { return pieces_[at(piece)].body; }
   [[nodiscard]] const Body& body(Index piece) const { return pieces_[at(piece)].body; }
   [[nodiscard]] PieceVertices vertices(Index piece) const { return {piece_of_, local_, piece}; }
@@ -78,6 +80,17 @@ class Pieces {
   /// After one that a piece has refused: the pieces take the body's state anew before the next.
   void forget_motion() { motion_ = {}; }
 
+  [[nodiscard]] COROTET_COLD MemoryUse memory() const {
+    MemoryUse use{bytes_of(piece_of_) + bytes_of(local_) + bytes_of(displacement_) + bytes_of(velocity_) +
+                      pieces_.capacity() * sizeof(Piece),
+                  0};
+    for (const Piece& piece : pieces_) {
+      use += piece.body.memory();
+      use.owned += bytes_of(piece.vertex) + bytes_of(piece.element);
+    }
+    return use;
+  }
+
  private:
   struct Piece {
     Body body;
@@ -109,7 +122,7 @@ class Pieces {
     std::vector<std::vector<Index>> elements(at(piece_count_));
     for (Index e = 0; e < body.mesh().element_count(); ++e)
       elements[at(piece_of_[at(body.mesh().element(e)[0])])].push_back(e);
-    pieces_.reserve(elements.size());
+    pieces_ = detail::FixedArray<Piece>(elements.size());
     for (std::vector<Index>& of_piece : elements) {
       std::vector<Index> vertex;
       auto mesh = body.mesh().part(of_piece, vertex);
@@ -118,7 +131,7 @@ class Pieces {
       options.couplings = part_of(options.couplings, piece_of_[at(vertex.front())]);
       auto piece = Body::create(std::move(mesh), materials_of(body, of_piece), options);
       COROTET_ASSERT(piece.ok(), "what the whole body was made of is valid");
-      pieces_.push_back({*std::move(piece), std::move(vertex), std::move(of_piece)});
+      pieces_.emplace_back(Piece{*std::move(piece), std::move(vertex), std::move(of_piece)});
     }
     materials_ = body.material_revision();
   }
@@ -175,7 +188,7 @@ class Pieces {
     pins_ = body.pins().revision();
   }
 
-  std::vector<Piece> pieces_;
+  detail::FixedArray<Piece> pieces_;
   std::vector<Index> piece_of_, local_;  // one a vertex of the whole body
   Field<Scalar> displacement_, velocity_;
   Vec3<double> shift_ = Vec3<double>::Zero();  // of the body's origin, as the pieces know it

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <corotet/core/assert.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/revision.hpp>
 #include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
@@ -101,6 +102,10 @@ class Pins {
 
   /// Another number whenever the set of pinned components is another; targets do not matter.
   [[nodiscard]] Revision revision() const { return revision_; }
+
+  [[nodiscard]] std::size_t bytes() const {
+    return bytes_of(slot_) + bytes_of(vertices_) + bytes_of(targets_) + bytes_of(axes_);
+  }
 
   /// For snapshots.
   void visit_state(detail::StateArchive& archive) {

@@ -6,6 +6,7 @@
 #include <corotet/core/assert.hpp>
 #include <corotet/core/compiler.hpp>
 #include <corotet/core/instances.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/message.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/revision.hpp>
@@ -109,6 +110,12 @@ class SoftBody {
   /// Force on each vertex, N, besides gravity; zero until the caller writes to it, and kept from step to step.
   [[nodiscard]] std::span<Vec3<Scalar>> external_forces() { return nodal_force_.force; }
   [[nodiscard]] std::span<const Vec3<Scalar>> external_forces() const { return nodal_force_.force; }
+
+  /// Bytes of its own state, and of the model that it shares with its copies.
+  [[nodiscard]] COROTET_COLD MemoryUse memory() const {
+    return {bytes_of(displacement_) + bytes_of(velocity_) + bytes_of(nodal_force_.force) + pins_.bytes(),
+            model_->bytes()};
+  }
 
   /// For integrators: gravity, nodal forces and damping, as terms of a step.
   [[nodiscard]] std::array<StepTerm<Scalar>*, 3> terms() { return {&gravity_, &nodal_force_, &damping_}; }

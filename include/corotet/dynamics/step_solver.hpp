@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <corotet/core/assert.hpp>
 #include <corotet/core/compiler.hpp>
 #include <corotet/core/contraction.hpp>
 #include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/energy_bound.hpp>
@@ -23,7 +25,6 @@
 #include <corotet/dynamics/turning_frame.hpp>
 #include <corotet/solve/range_sum.hpp>
 #include <corotet/solve/solver.hpp>
-#include <utility>
 
 namespace corotet::inline v0_1 {
 
@@ -36,9 +37,9 @@ class StepSolver {
   using Scalar = typename Body::scalar_type;
 
   /// Symbolic work and memory.
-  COROTET_COLD StepSolver(const Body& body, Solver solver, const NewtonOptions& newton)
+  COROTET_COLD StepSolver(const Body& body, const Solver& solver, const NewtonOptions& newton)
       : options_(newton),
-        solver_(std::move(solver)),
+        solver_(unanalyzed(solver)),
         equation_(body, newton.tangent),
         change_(at(body.vertex_count()), Vec3<Scalar>::Zero()),
         velocity_(change_),
@@ -92,6 +93,15 @@ class StepSolver {
     return sum;
   }
 
+  /// Of a solver that does not tell its own: without it.
+  [[nodiscard]] COROTET_COLD MemoryUse memory() const {
+    MemoryUse use = equation_.memory() + frame_.memory() + energy_bound_.memory() + sum_.memory();
+    for (const Field<Scalar>* field : {&change_, &velocity_, &displacement_, &frame_velocity_})
+      use.owned += bytes_of(*field);
+    if constexpr (requires { solver_.memory(); }) use += solver_.memory();
+    return use;
+  }
+
   /// For snapshots: what earlier steps have left that later ones depend on.
   COROTET_COLD void visit_state(detail::StateArchive& archive, const Body& body) {
     equation_.visit_state(archive, body);
@@ -100,9 +110,18 @@ class StepSolver {
   }
 
   /// As if it had just been made for the body.
-  COROTET_COLD void reset(const Body& body) { *this = StepSolver(body, Solver(solver_), options_); }
+  COROTET_COLD void reset(const Body& body) { *this = StepSolver(body, solver_, options_); }
 
  private:
+  [[nodiscard]] static Solver unanalyzed(const Solver& solver) {
+    if constexpr (requires {
+                    { solver.unanalyzed() } -> std::same_as<Solver>;
+                  })
+      return solver.unanalyzed();
+    else
+      return solver;
+  }
+
   /// A step, again where it has gained energy: by Newton's method, one of second order by backward Euler.
   StepReport advance_bounded(Body& body, const TimeStep<Scalar>& step, const StepContext<Scalar>& context) {
     const StepReport report = solve_step(body, step, options_.iterations, context);

@@ -7,6 +7,7 @@
 #include <corotet/core/buffer.hpp>
 #include <corotet/core/compiler.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/range_sum.hpp>
 #include <corotet/terms/step_term.hpp>
@@ -135,6 +136,12 @@ class TermSum {
 
   /// Row i of gamma^2 K + gamma D, summed, kg; only where is_implicit().
   [[nodiscard]] const Mat3<Scalar>& row_sum(Index i) const { return row_sum_[at(i)]; }
+
+  [[nodiscard]] MemoryUse memory() const {
+    return {bytes_of(working_.force) + bytes_of(working_.impulse) + bytes_of(conservative_.force) +
+                bytes_of(conservative_.impulse) + bytes_of(scratch_) + bytes_of(row_sum_),
+            0};
+  }
 
  private:
   /// Forces (N) as seen from the frame and impulses (N s), one a vertex.

@@ -7,6 +7,7 @@
 #include <corotet/core/elementary.hpp>
 #include <corotet/core/exactly.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/term_sum.hpp>
 #include <corotet/dynamics/time_step.hpp>
@@ -140,6 +141,8 @@ class TurningFrame {
     });
     return detail::is_zero(not_finite);
   }
+
+  [[nodiscard]] MemoryUse memory() const { return before_sums_.memory() + after_sums_.memory() + finite_.memory(); }
 
  private:
   /// Of a whole body, relative to its first vertex: sums stay small in flight and far from the origin.

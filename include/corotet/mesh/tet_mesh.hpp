@@ -4,6 +4,7 @@
 #include <array>
 #include <corotet/core/compiler.hpp>
 #include <corotet/core/instances.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/message.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
@@ -66,6 +67,10 @@ class TetMesh {
 
   /// The mesh as unchecked data in double, in the coordinates given to `create`: for writers and converters.
   [[nodiscard]] COROTET_COLD MeshData data() const;
+
+  [[nodiscard]] std::size_t bytes() const {
+    return bytes_of(positions_) + bytes_of(elements_) + bytes_of(regions_);
+  }
 
   /// The mesh of some elements alone, each named once, with the same positions and origin. `vertices` (out): of this
   /// mesh, ascending, one for each of the new mesh's.

@@ -87,6 +87,9 @@ class AutoSolver {
 
   [[nodiscard]] const Options& options() const { return options_; }
 
+  /// One of the same options, as before `analyze`: cheaper to compile than a copy.
+  [[nodiscard]] AutoSolver unanalyzed() const { return AutoSolver(options_); }
+
   [[nodiscard]] COROTET_COLD MemoryUse memory() const;
 
   /// For snapshots.
