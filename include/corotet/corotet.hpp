@@ -67,6 +67,7 @@
 #include <corotet/core/memory_use.hpp>
 #include <corotet/core/message.hpp>
 #include <corotet/core/number_text.hpp>
+#include <corotet/core/ordered_sum.hpp>
 #include <corotet/core/parse_number.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/result.hpp>

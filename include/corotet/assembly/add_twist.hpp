@@ -15,8 +15,8 @@ namespace detail {
 template <std::floating_point Scalar, class Evaluation>
 [[nodiscard]] Mat3<Scalar> twist_block(const Evaluation& state, std::size_t q, const Mat3<Scalar>& h, std::size_t row,
                                        std::size_t column) {
-  const Vec3<Scalar> ga = Vec3<Scalar>::load(state.gradient(q, row)),
-                     gb = Vec3<Scalar>::load(state.gradient(q, column));
+  const Vec3<Scalar> ga = Vec3<Scalar>::load(state.gradient(q, row).data()),
+                     gb = Vec3<Scalar>::load(state.gradient(q, column).data());
   Mat3<Scalar> turned, block;
   for (int k = 0; k < 3; ++k) turned.set_col(k, ga.cross(h.col(k)));
   for (int k = 0; k < 3; ++k) block.set_row(k, gb.cross(turned.row(k).transpose()).transpose());

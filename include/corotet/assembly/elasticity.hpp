@@ -15,6 +15,7 @@
 #include <corotet/core/buffer.hpp>
 #include <corotet/core/compiler.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/ordered_sum.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/element_batch.hpp>
 #include <corotet/element/jacobian.hpp>
@@ -90,35 +91,25 @@ class Elasticity {
     });
     if (mean_.on() && Mean::over_patches) {
       mean_.finish(out, executor);
-      finish_batches(displacement, out, executor);
+      finish_batches(out, executor);
     }
   }
 
-  /// W, J. Summed in double and in element order, whatever Scalar is.
+  /// W, J: summed in double, in an order that depends on the body alone.
   [[nodiscard]] double energy(const Field<Scalar>& displacement) const {
     detail::Buffer<double> scratch(mean_.scratch_size());
     return energy(displacement, scratch);
   }
-  /// The same without allocating: `scratch` has mean_dilatation().scratch_size() entries.
-  [[nodiscard]] double energy(const Field<Scalar>& displacement, std::span<double> scratch) const {
-    double sum = 0;
-    for (Index b = 0; b < size_of(batches_); ++b) {
-      const Batch& batch = batches_[at(b)];
-      std::array<Mat3Lanes<Scalar>, points> f, r;
-      deformation(batch, displacement, f, r);
-      const typename Mean::OfBatch mean = mean_.of_batch(batch, b, f, r);
-      for (std::size_t q = 0; q < points; ++q) {
-        const Strain e = corotational_strain(f[q], r[q]);
-        const Lanes<Scalar> trace = e.trace();
-        const Lanes<Scalar> each =
-            strain_energy(e, batch.lame_ratio * trace + mean.tension, batch.point[q].root_stiffness);
-        for (int l = 0; l < lane_count<Scalar>; ++l) sum += static_cast<double>(each[l]);
-        if (mean_.on() && Mean::over_patches)
-          for (int l = 0; l < lane_count<Scalar>; ++l) scratch[at(b * lane_count<Scalar> + l)] = double(trace[l]);
-      }
-    }
-    for (Index p = 0; p < mean_.patches().count(); ++p)
-      sum += mean_.patch_energy(p, [&](Index e) { return scratch[at(e)]; });
+  /// The same without allocating: `scratch` has mean_dilatation().scratch_size() entries. The same bits with any
+  /// executor.
+  [[nodiscard]] double energy(const Field<Scalar>& displacement, std::span<double> scratch,
+                              ExecutorRef executor = {}) const {
+    double sum = detail::ordered_sum(executor, size_of(batches_), batch_grain, [&](Index begin, Index end) {
+      double part = 0;
+      for (Index b = begin; b < end; ++b) part += batch_energy(displacement, b, scratch);
+      return part;
+    });
+    if (mean_.on() && Mean::over_patches) sum += mean_.patches_energy(scratch, executor);
     return sum;
   }
 
@@ -181,16 +172,34 @@ class Elasticity {
     return least;
   }
 
+  /// J, without what is a mean over a patch; then theta of each element goes to `scratch`.
+  [[nodiscard]] double batch_energy(const Field<Scalar>& displacement, Index b, std::span<double> scratch) const {
+    const Batch& batch = batches_[at(b)];
+    std::array<Mat3Lanes<Scalar>, points> f, r;
+    deformation(batch, displacement, f, r);
+    const typename Mean::OfBatch mean = mean_.of_batch(batch, b, f, r);
+    double sum = 0;
+    for (std::size_t q = 0; q < points; ++q) {
+      const Strain e = corotational_strain(f[q], r[q]);
+      const Lanes<Scalar> trace = e.trace();
+      const Lanes<Scalar> each =
+          strain_energy(e, batch.lame_ratio * trace + mean.tension, batch.point[q].root_stiffness);
+      for (int l = 0; l < lane_count<Scalar>; ++l) sum += static_cast<double>(each[l]);
+      if (mean_.on() && Mean::over_patches)
+        for (int l = 0; l < lane_count<Scalar>; ++l) scratch[at(b * lane_count<Scalar> + l)] = double(trace[l]);
+    }
+    return sum;
+  }
+
   void evaluate_batch(const Field<Scalar>& displacement, Index b, Evaluation& out, Extremes& extremes) const {
     using L = Lanes<Scalar>;
     const Batch& batch = batches_[at(b)];
     std::array<Mat3Lanes<Scalar>, points> f, r;
     const L least_determinant = deformation(batch, displacement, f, r);
 
-    const bool own_mean = mean_.on() && !Mean::over_patches;
+    const bool over_patches = mean_.on() && Mean::over_patches, own_mean = mean_.on() && !Mean::over_patches;
     const typename Mean::OfBatch mean = mean_.of_batch(batch, b, f, r);
     std::array<Vec3Lanes<Scalar>, std::size_t{nodes}> force, mean_gradient;
-    std::array<L, points> volumetric;
     for (Vec3Lanes<Scalar>& node : force)
       for (L& component : node) component = 0;
     const Index first = b * lane_count<Scalar>;
@@ -205,11 +214,15 @@ class Elasticity {
       const Mat3Lanes<Scalar>& inverse = batch.point[q].inverse_jacobian;
       Mat3Lanes<Scalar> stress, rotated, rotated_stress, natural_stress;
       const L theta = e.trace();
-      volumetric[q] = batch.lame_ratio * theta + mean.tension;
-      extremes.add_stress(e, volumetric[q], batch.point[q].root_stiffness);
-      scaled_stress(batch, q, e, volumetric[q], stress);
-      if (has_twist_modes && out.twist.wanted()) out.twist.set(q, b, e, volumetric[q], rq);
-      if (mean_.on() && Mean::over_patches) volumetric[q] = theta;  // what MeanDilatation::finish wants
+      const L volumetric = batch.lame_ratio * theta + mean.tension;
+      scaled_stress(batch, q, e, volumetric, stress);
+      if (over_patches) {  // until MeanDilatation::finish has found the stress
+        out.volumetric_stress_of_batch(q, b) = theta;
+        out.frame(b) = {rq, e};
+      } else {
+        out.volumetric_stress_of_batch(q, b) = volumetric;
+        add_stress(batch, q, b, e, volumetric, rq, out, extremes);
+      }
       // The rotated gradient of node a is R (dxi/dX)^T times its natural gradient, its force -V R s (dxi/dX)^T times
       // it.
       product_with_transpose(rq, inverse, rotated);
@@ -221,7 +234,7 @@ class Elasticity {
       for (std::size_t a = 0; a < nodes; ++a) {
         const Vec3Lanes<Scalar> gradient = Batch::times_gradient(rotated, q, a);
         store_side_by_side(gradient[0], gradient[1], gradient[2], batch.lame_ratio,
-                           out.gradient(q, at(first * nodes) + a), Evaluation::stride, used);
+                           out.gradient(q, at(first * nodes) + a).data(), Evaluation::stride, used);
         if (own_mean)
           for (std::size_t i = 0; i < 3; ++i)
             mean_gradient[a][i] = (q == 0 ? L(0) : mean_gradient[a][i]) + mean.factor[q] * gradient[i];
@@ -230,8 +243,7 @@ class Elasticity {
       }
     }
     for (std::size_t a = 0; a < nodes; ++a)
-      store_side_by_side(force[a][0], force[a][1], force[a][2], a < points ? volumetric[a % points] : L(0),
-                         out.force(first, a), Evaluation::stride, used);
+      store_side_by_side(force[a][0], force[a][1], force[a][2], L(0), out.force(first, a), Evaluation::stride, used);
     if (own_mean)
       for (std::size_t a = 0; a < nodes; ++a)
         store_side_by_side(mean_gradient[a][0], mean_gradient[a][1], mean_gradient[a][2], L(0),
@@ -239,20 +251,21 @@ class Elasticity {
     extremes.inverted += select(least_determinant > 0, L(0), L(1));  // at most 16 batches: exact
   }
 
-  /// The volumetric stress of a patch, and what follows from it, is known only after all of it has been evaluated.
-  void finish_batches(const Field<Scalar>& displacement, Evaluation& out, ExecutorRef executor) const {
+  /// What follows from the stress at a point besides forces.
+  static void add_stress(const Batch& batch, std::size_t q, Index b, const Strain& e, const Lanes<Scalar>& volumetric,
+                         const Mat3Lanes<Scalar>& r, Evaluation& out, Extremes& extremes) {
+    extremes.add_stress(e, volumetric, batch.point[q].root_stiffness);
+    if (has_twist_modes && out.twist.wanted()) out.twist.set(q, b, e, volumetric, r);
+  }
+
+  /// The same once MeanDilatation::finish has found the stress of each patch.
+  void finish_batches(Evaluation& out, ExecutorRef executor) const {
     for_ranges(executor, size_of(batches_), batch_grain, [&](Index begin, Index end) {
       Extremes extremes;
       for (Index b = begin; b < end; ++b) {
-        const Batch& batch = batches_[at(b)];
-        std::array<Mat3Lanes<Scalar>, points> f, r;
-        deformation(batch, displacement, f, r);
-        Lanes<Scalar> volumetric = 0;
-        for (int l = 0; l < lane_count<Scalar> && b * lane_count<Scalar> + l < elements_; ++l)
-          volumetric.set(l, out.volumetric_stress(0, b * lane_count<Scalar> + l));
-        const Strain e = corotational_strain(f[0], r[0]);
-        extremes.add_stress(e, volumetric, batch.point[0].root_stiffness);
-        if (has_twist_modes && out.twist.wanted()) out.twist.set(0, b, e, volumetric, r[0]);
+        const typename Evaluation::Frame& frame = out.frame(b);
+        add_stress(batches_[at(b)], 0, b, frame.strain, out.volumetric_stress_of_batch(0, b), frame.rotation, out,
+                   extremes);
       }
       const DeformationExtremes found = extremes.of_all_lanes();
       out.extremes[at(begin / batch_grain)].largest_stress2 = found.largest_stress2;
