@@ -4,7 +4,6 @@
 #include <array>
 #include <corotet/assembly/block_pattern.hpp>
 #include <corotet/assembly/deformation_extremes.hpp>
-#include <corotet/assembly/strain.hpp>
 #include <corotet/assembly/twist_modes.hpp>
 #include <corotet/core/buffer.hpp>
 #include <corotet/core/compiler.hpp>
@@ -12,6 +11,7 @@
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/element_batch.hpp>
+#include <corotet/material/strain.hpp>
 
 namespace corotet::inline v0_1 {
 
@@ -26,6 +26,14 @@ template <std::floating_point Scalar>
   Vec3<Scalar> out;
   sum.template store_part<3>(out.data());
   return out;
+}
+
+/// The nine numbers of a block, by columns.
+template <std::floating_point Scalar>
+COROTET_ALWAYS_INLINE void write_columns(const std::array<Quad<Scalar>, 3>& column, Scalar* out) {
+  column[0].store(out);  // what is written behind a column is overwritten by the next
+  column[1].store(out + 3);
+  column[2].template store_part<3>(out + 6);
 }
 
 }  // namespace detail
@@ -177,8 +185,8 @@ class StiffnessSum {
       k[c] = scale * (lambda_[c] + mu_t[c] + isotropic);
       k_t[c] = scale * (mu_[c] + lambda_t[c] + isotropic);
     }
-    write_columns(k, block);
-    write_columns(k_t, mirror);
+    detail::write_columns(k, block);
+    detail::write_columns(k_t, mirror);
   }
 
  private:
@@ -194,11 +202,6 @@ class StiffnessSum {
     COROTET_UNROLL
     for (std::size_t c = 0; c < 3; ++c) mu_[c].store(m[c].data());
     return Q(m[0][0] + m[1][1] + m[2][2]);
-  }
-  COROTET_ALWAYS_INLINE static void write_columns(const std::array<Q, 3>& column, Scalar* out) {
-    column[0].store(out);  // what is written behind a column is overwritten by the next
-    column[1].store(out + 3);
-    column[2].template store_part<3>(out + 6);
   }
 
   // Columns of sum lambda V g_a g_b^T and of sum mu V g_a g_b^T.

@@ -7,12 +7,12 @@
 #include <corotet/assembly/block_pattern.hpp>
 #include <corotet/assembly/dilatation_patches.hpp>
 #include <corotet/assembly/elastic_evaluation.hpp>
-#include <corotet/assembly/strain.hpp>
 #include <corotet/core/buffer.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/ordered_sum.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/element_batch.hpp>
+#include <corotet/material/strain.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
 #include <cstdint>
 #include <span>
