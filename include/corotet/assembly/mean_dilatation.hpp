@@ -46,8 +46,8 @@ class MeanDilatation {
   using Evaluation = ElasticEvaluation<Scalar, Element>;
   using L = Lanes<Scalar>;
 
-  /// True for Tet4, false for Tet10.
-  static constexpr bool over_patches = Batch::points == 1;
+  /// True for linear tetrahedra, whose patches are found by their faces; false for elements with several points.
+  static constexpr bool over_patches = LinearTetrahedron<Element>;
 
   /// Off: every element for itself.
   MeanDilatation() = default;
