@@ -3,6 +3,7 @@
 #include <corotet/core/eigen.hpp>
 #include <corotet/dynamics/soft_body.hpp>
 #include <corotet/material/corotated.hpp>
+#include <corotet/material/principal_tangent.hpp>
 #include <corotet/material/stable_neo_hookean.hpp>
 #include <corotet/rotation/gram_schmidt.hpp>
 #include <corotet/rotation/identity.hpp>
@@ -58,8 +59,13 @@ struct Point {
     return p.lane(lane).template cast<double>();
   }
   [[nodiscard]] Matrix9 tangent(bool semi_definite = false) const {
-    TangentLanes<Scalar> c;
+    Tangent c;
     Model::tangent(constants, DeformationLanes<Scalar>{f, r}, committed, semi_definite, c);
+    return flat(c);
+  }
+
+  using Tangent = TangentLanes<Scalar>;
+  [[nodiscard]] static Matrix9 flat(const Tangent& c) {
     Matrix9 m;
     for (std::size_t j = 0; j < 3; ++j)
       for (std::size_t l = 0; l < 3; ++l)
@@ -192,6 +198,30 @@ TYPED_TEST(ObjectiveModel, IsFiniteForDegenerateDeformations) {
     expect_finite(0.0, testing::diagonal(s));
     expect_finite(0.0F, testing::diagonal(s));
   }
+}
+
+/// The eigenvalues in the principal frame, as they are, give the derivative of the stress.
+TEST(PrincipalTangent, IsTheTangentWhoseEigenvaluesItIsGiven) {
+  const Lame parameters = lame(rubber);
+  for (unsigned seed = 1; seed <= 5; ++seed)
+    for (const Mat3<double>& f : deformations(seed)) {
+      const Point<Corotated<Polar>> point(f);
+      const PrincipalFrame<double> frame(DeformationLanes<double>{point.f, point.r});
+      using L = Lanes<double>;
+      const L two_mu = 2 * parameters.mu, sum = frame.stretch[0] + frame.stretch[1] + frame.stretch[2];
+      Vec3Lanes<double> twist, flip;
+      Mat3Lanes<double> scaling;
+      for (int k = 0; k < 3; ++k) {
+        twist[at(k)] =
+            two_mu + (L(2 * parameters.lambda) * (sum - L(3)) - two_mu - two_mu) / (sum - frame.stretch[at(k)]);
+        flip[at(k)] = two_mu;
+        for (int j = 0; j < 3; ++j) scaling(k, j) = L(parameters.lambda) + (j == k ? two_mu : L(0));
+      }
+      Point<Corotated<Polar>>::Tangent c;
+      add_principal_tangent(frame, twist, flip, scaling, false, c);
+      EXPECT_LT((Point<Corotated<Polar>>::flat(c) - point.tangent()).norm(), 1e-9 * point.tangent().norm())
+          << as_eigen(f);
+    }
 }
 
 TEST(StableNeoHookean, HasTheEnergyOfThePaper) {

@@ -43,23 +43,28 @@ struct PrincipalFrame {
   }
 };
 
-/// Adds the tangent of an isotropic law with the absolute values of its eigenvalues to `c`. That is semi-definite, and
-/// unlike the projection to positive eigenvalues stiff where the law curves down: one step of Newton's method does not
-/// overshoot from inverted or flat states (Chen, Liu, Jacobson, Levin & Zheng 2024, "Stabler Neo-Hookean Simulation:
-/// Absolute Eigenvalue Filtering for Projected Newton"). Pairs (i, j) of directions are numbered by the third direction
-/// k. The nine eigenvectors are U A V^T (Smith, de Goes & Kim 2019, "Analytic eigensystems for isotropic distortion
-/// energies"): three twists, A = (e_i e_j^T - e_j e_i^T) / sqrt 2, with the eigenvalues twist[k]; three flips,
-/// A = (e_i e_j^T + e_j e_i^T) / sqrt 2, with flip[k]; and three diagonal A, the eigenvectors of `scaling`, which is
-/// destroyed. All in Pa.
+/// Adds the tangent of an isotropic law to `c`, from its eigenvalues in the principal frame, Pa. With psi as a function
+/// of the stretches, and pairs (i, j) of directions numbered by the third direction k, the nine eigenvectors are U A
+/// V^T (Smith, de Goes & Kim 2019, "Analytic eigensystems for isotropic distortion energies"):
+///   three twists, A = (e_i e_j^T - e_j e_i^T) / sqrt 2: twist[k] = (dpsi/ds_i + dpsi/ds_j) / (s_i + s_j);
+///   three flips, A = (e_i e_j^T + e_j e_i^T) / sqrt 2: flip[k] = (dpsi/ds_i - dpsi/ds_j) / (s_i - s_j);
+///   three diagonal A: the eigenvectors of scaling(i, j) = d2psi/ds_i ds_j, which is destroyed.
+///
+/// `semi_definite`: with the absolute values of the eigenvalues. Unlike the projection to positive ones that is stiff
+/// where the law curves down, so that a step of Newton's method does not overshoot from inverted or flat states (Chen,
+/// Liu, Jacobson, Levin & Zheng 2024, "Stabler Neo-Hookean Simulation: Absolute Eigenvalue Filtering for Projected
+/// Newton").
 template <std::floating_point Scalar>
-void add_absolute_tangent(const PrincipalFrame<Scalar>& frame, const Vec3Lanes<Scalar>& twist,
-                          const Vec3Lanes<Scalar>& flip, Mat3Lanes<Scalar>& scaling, TangentLanes<Scalar>& c) {
+void add_principal_tangent(const PrincipalFrame<Scalar>& frame, const Vec3Lanes<Scalar>& twist,
+                           const Vec3Lanes<Scalar>& flip, Mat3Lanes<Scalar>& scaling, bool semi_definite,
+                           TangentLanes<Scalar>& c) {
   using L = Lanes<Scalar>;
+  const auto usable = [&](const L& eigenvalue) { return semi_definite ? lane_abs(eigenvalue) : eigenvalue; };
   const L half(Scalar(0.5)), one(Scalar(1)), zero(Scalar(0));
   for (int k = 0; k < 3; ++k) {
     const int i = (k + 1) % 3, j = (k + 2) % 3;
-    c.add_outer(half * lane_abs(twist[at(k)]), frame.dyads(i, j, one, -one));
-    c.add_outer(half * lane_abs(flip[at(k)]), frame.dyads(i, j, one, one));
+    c.add_outer(half * usable(twist[at(k)]), frame.dyads(i, j, one, -one));
+    c.add_outer(half * usable(flip[at(k)]), frame.dyads(i, j, one, one));
   }
   Mat3Lanes<Scalar> axes;
   detail::diagonalise_lanes(scaling, axes);
@@ -70,7 +75,7 @@ void add_absolute_tangent(const PrincipalFrame<Scalar>& frame, const Vec3Lanes<S
         mode(row, column) = zero;
         for (int i = 0; i < 3; ++i) mode(row, column) += axes(i, k) * frame.u(row, i) * frame.v(column, i);
       }
-    c.add_outer(lane_abs(scaling(k, k)), mode);
+    c.add_outer(usable(scaling(k, k)), mode);
   }
 }
 

@@ -80,7 +80,7 @@ struct StableNeoHookean {
   }
 
   /// mu (1 - 1/(I + 1)) dF + 2 mu/(I + 1)^2 F (F : dF) + lambda cof F (cof F : dF) + lambda (J - a) d(cof F).
-  /// Semi-definite: with the absolute values of its eigenvalues, see add_absolute_tangent.
+  /// Semi-definite: with the absolute values of its eigenvalues, see add_principal_tangent.
   template <std::floating_point Scalar>
   static void tangent(const Constants<Scalar>& constants, const DeformationLanes<Scalar>& deformation,
                       const NoState& /*committed*/, bool semi_definite, TangentLanes<Scalar>& c) {
@@ -116,7 +116,7 @@ struct StableNeoHookean {
       scaling.entry[i][j] = scaling.entry[j][i] =
           stretching * s[i] * s[j] + constants.lambda * s[k] * s[k] * area + pressure * s[k];
     }
-    add_absolute_tangent(frame, twist, flip, scaling, c);
+    add_principal_tangent(frame, twist, flip, scaling, true, c);
   }
 
  private:
