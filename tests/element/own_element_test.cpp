@@ -68,7 +68,7 @@ struct Hex8 {
 /// As an element of before these traits: it says its degree, and nothing of its nodes.
 struct Tet20 {
   static constexpr int nodes = 20;
-  static constexpr int order = 3;
+  [[maybe_unused]] static constexpr int order = 3;
   static constexpr auto stiffness_points = quadrature::degree5;
   static constexpr auto mass_points = quadrature::degree5;
   static std::array<double, nodes> shape(const NaturalCoordinates& xi);
