@@ -17,7 +17,7 @@ import sys
 from pathlib import Path
 
 # Lowest first. Element comes before mesh because a mesh is a template over its element.
-LAYERS = ["core", "element", "mesh", "material", "rotation", "assembly", "solve", "terms", "dynamics", "embed", "scene"]
+LAYERS = ["core", "element", "mesh", "rotation", "material", "assembly", "solve", "terms", "dynamics", "embed", "scene"]
 
 FORBIDDEN = [
     (r"\bthrow\b|\btry\b|\bcatch\b", "the library does not use exceptions: return a Result"),

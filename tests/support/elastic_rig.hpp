@@ -15,12 +15,27 @@ namespace corotet::testing {
 
 inline constexpr Material rubber{.young = 3e4, .poisson = 0.35, .density = 900};
 
-template <class Scalar, class Element, class Rotation = Polar>
+namespace detail {
+
+template <class Scalar, class Element, class Law>
+struct ElasticOf {
+  using type = Law;
+};
+template <class Scalar, class Element, ElasticLaw Law>
+struct ElasticOf<Scalar, Element, Law> {
+  using type = Elasticity<Scalar, Element, Law>;
+};
+
+}  // namespace detail
+
+/// `Law`: an ElasticModel or a rotation law, or a class with the interface of Elasticity.
+template <class Scalar, class Element, class Law = Polar>
 struct Rig {
   TetMesh<Scalar, Element> mesh;
-  Elasticity<Scalar, Element, Rotation> law;
+  using Elastic = typename detail::ElasticOf<Scalar, Element, Law>::type;
+  Elastic law;
   std::shared_ptr<const BlockPattern> pattern;
-  ElasticEvaluation<Scalar, Element> state;
+  typename Elastic::Evaluation state;
   SerialExecutor serial;
 
   explicit Rig(TetMesh<Scalar, Element> m, const Materials& materials = rubber,

@@ -15,8 +15,8 @@ namespace detail {
 template <std::floating_point Scalar, class Evaluation>
 [[nodiscard]] Mat3<Scalar> twist_block(const Evaluation& state, std::size_t q, const Mat3<Scalar>& h, std::size_t row,
                                        std::size_t column) {
-  const Vec3<Scalar> ga = Vec3<Scalar>::load(state.gradient(q, row)),
-                     gb = Vec3<Scalar>::load(state.gradient(q, column));
+  const Vec3<Scalar> ga = Vec3<Scalar>::load(state.gradient(q, row).data()),
+                     gb = Vec3<Scalar>::load(state.gradient(q, column).data());
   Mat3<Scalar> turned, block;
   for (int k = 0; k < 3; ++k) turned.set_col(k, ga.cross(h.col(k)));
   for (int k = 0; k < 3; ++k) block.set_row(k, gb.cross(turned.row(k).transpose()).transpose());
@@ -34,13 +34,10 @@ void add_symmetric(BlockMatrix<Scalar>& matrix, Index slot, Index mirror, const 
   }
 }
 
-}  // namespace detail
-
-/// matrix += factor * (the twist modes of the evaluated state, N/m). Keeps both triangles bitwise mirror images.
-/// Batches without any are skipped; see TwistModes::active_share for bodies without any.
+/// As add_twist.
 template <std::floating_point Scalar, class Law>
-void add_twist(const Law& law, const typename Law::Evaluation& state, Scalar factor, BlockMatrix<Scalar>& matrix,
-               ExecutorRef executor) {
+void add_twist_modes(const Law& law, const typename Law::Evaluation& state, Scalar factor, BlockMatrix<Scalar>& matrix,
+                     ExecutorRef executor) {
   constexpr std::size_t n = Law::nodes, points = Law::points;
   const BlockPattern& p = matrix.pattern();
   // Where few elements have any, it is cheaper to go through these, on one thread, than through all blocks.
@@ -72,6 +69,17 @@ void add_twist(const Law& law, const typename Law::Evaluation& state, Scalar fac
       detail::add_symmetric<Scalar>(matrix, p.upper[at(u)].slot, p.upper[at(u)].mirror, factor * sum);
     }
   });
+}
+
+}  // namespace detail
+
+/// matrix += factor * (the twist modes of the evaluated state, N/m). Keeps both triangles bitwise mirror images.
+/// Batches without any are skipped; see TwistModes::active_share for bodies without any. Nothing for laws that have
+/// none.
+template <std::floating_point Scalar, class Law>
+void add_twist(const Law& law, const typename Law::Evaluation& state, Scalar factor, BlockMatrix<Scalar>& matrix,
+               ExecutorRef executor) {
+  if constexpr (Law::has_twist_modes) detail::add_twist_modes(law, state, factor, matrix, executor);
 }
 
 }  // namespace corotet::inline v0_1

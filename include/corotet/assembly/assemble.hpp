@@ -33,7 +33,7 @@ template <std::floating_point Scalar, bool same_ratio, class Law>
 void add_mean_dilatation(const BlockPattern& p, const typename Law::Evaluation& state, std::size_t u,
                          StiffnessSum<Scalar, same_ratio>& sum) {
   constexpr std::size_t n = Law::nodes;
-  if constexpr (Law::points == 1) {
+  if constexpr (MeanDilatation<Scalar, typename Law::element_type>::over_patches) {
     for (Index c = p.group_contribution_start[u]; c < p.group_contribution_start[u + 1]; ++c) {
       const Index code = p.group_contribution[at(c)];
       sum.add_mean(state.mean_gradient(BlockPattern::row_of_group(code)),
@@ -72,15 +72,39 @@ void assemble_blocks(const Law& law, const typename Law::Evaluation& state, cons
   });
 }
 
+/// As `assemble`, for models that have evaluated the blocks of each element.
+template <std::floating_point Scalar, class Law>
+void assemble_element_blocks(const typename Law::Evaluation& state, const Mass<Scalar>& mass, Scalar mass_factor,
+                             Scalar stiffness_factor, BlockMatrix<Scalar>& matrix, ExecutorRef executor) {
+  constexpr std::size_t n = Law::nodes;
+  constexpr Index grain = 8 * BlockMatrix<Scalar>::row_grain;
+  const BlockPattern& p = matrix.pattern();
+  const bool consistent = mass.model() == MassModel::consistent;
+  for_ranges(executor, size_of(p.upper), grain, [&](Index begin, Index end) {
+    for (Index u = begin; u < end; ++u) {
+      BlockSum<Scalar> sum;
+      for (Index c = p.contribution_start[at(u)]; c < p.contribution_start[at(u) + 1]; ++c) {
+        const std::size_t code = at(p.contribution[at(c)]), row = code / n;
+        sum.add(state, row / n, row % n, code % n);
+      }
+      const auto [slot, mirror] = p.upper[at(u)];
+      sum.write(stiffness_factor, matrix.values(slot), matrix.values(mirror));
+      if (slot == mirror || consistent) add_mass(p, mass, mass_factor, p.column[at(mirror)], slot, mirror, matrix);
+    }
+  });
+}
+
 }  // namespace detail
 
-/// matrix = mass_factor * M + stiffness_factor * K', with the warped stiffness K' of the evaluated state. Both
-/// triangles are bitwise mirror images. `mass_factor` has no unit, `stiffness_factor` is in s^2 if the result is to be
-/// in kg.
+/// matrix = mass_factor * M + stiffness_factor * K', with the warped stiffness K' of the evaluated state, or for a
+/// model other than Corotated its tangent stiffness. Both triangles are bitwise mirror images. `mass_factor` has no
+/// unit, `stiffness_factor` is in s^2 if the result is to be in kg.
 template <std::floating_point Scalar, class Law>
 void assemble(const Law& law, const typename Law::Evaluation& state, const Mass<Scalar>& mass, Scalar mass_factor,
               Scalar stiffness_factor, BlockMatrix<Scalar>& matrix, ExecutorRef executor) {
-  if (law.common_lame_ratio().has_value())
+  if constexpr (!Law::has_warped_stiffness)
+    detail::assemble_element_blocks<Scalar, Law>(state, mass, mass_factor, stiffness_factor, matrix, executor);
+  else if (law.common_lame_ratio().has_value())
     detail::assemble_blocks<true>(law, state, mass, mass_factor, stiffness_factor, matrix, executor);
   else
     detail::assemble_blocks<false>(law, state, mass, mass_factor, stiffness_factor, matrix, executor);

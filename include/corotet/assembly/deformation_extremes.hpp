@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <corotet/assembly/strain.hpp>
 #include <corotet/core/elementary.hpp>
 #include <corotet/core/lanes.hpp>
 #include <corotet/core/types.hpp>
+#include <corotet/material/strain.hpp>
 
 namespace corotet::inline v0_1 {
 

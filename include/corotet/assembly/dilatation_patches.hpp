@@ -36,8 +36,8 @@ namespace detail {
 /// That leaves some six degrees of freedom for each patch of an unstructured mesh (docs/elements.md).
 class PatchGrower {
  public:
-  template <std::floating_point Scalar>
-  explicit PatchGrower(const TetMesh<Scalar, Tet4>& mesh)
+  template <std::floating_point Scalar, LinearTetrahedron Element>
+  explicit PatchGrower(const TetMesh<Scalar, Element>& mesh)
       : nodes_(mesh.elements()), patch_of_(nodes_.size(), none), volume_(nodes_.size()), neighbours_(nodes_.size()) {
     for (std::size_t e = 0; e < nodes_.size(); ++e)
       measure(e, [&](std::size_t a) { return mesh.node_position(static_cast<Index>(e), a); });
@@ -226,8 +226,8 @@ class PatchGrower {
 }  // namespace detail
 
 /// Patches of some five to eight elements over the whole mesh; the same for the same mesh. O(n log n).
-template <std::floating_point Scalar>
-[[nodiscard]] DilatationPatches dilatation_patches(const TetMesh<Scalar, Tet4>& mesh) {
+template <std::floating_point Scalar, LinearTetrahedron Element>
+[[nodiscard]] DilatationPatches dilatation_patches(const TetMesh<Scalar, Element>& mesh) {
   return detail::PatchGrower(mesh).result();
 }
 

@@ -7,14 +7,46 @@
 #include <corotet/assembly/twist_modes.hpp>
 #include <corotet/core/buffer.hpp>
 #include <corotet/core/compiler.hpp>
+#include <corotet/core/lanes.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/element_batch.hpp>
+#include <corotet/material/strain.hpp>
 
 namespace corotet::inline v0_1 {
 
-/// Scratch that Elasticity::evaluate fills. Sized once; evaluating allocates nothing. Vectors are stored as Quads: what
-/// assembly reads of an element's node comes in one load.
+namespace detail {
+
+/// The sum over the elements of what they have stored for a vertex.
+template <std::floating_point Scalar>
+[[nodiscard]] Vec3<Scalar> sum_of_nodes(const BlockPattern& pattern, const PaddedField<Scalar>& of_node, Index vertex) {
+  Quad<Scalar> sum(Scalar(0));
+  for (Index k = pattern.incidence_start[at(vertex)]; k < pattern.incidence_start[at(vertex) + 1]; ++k)
+    sum += of_node[at(pattern.incidence[at(k)])].quad();
+  Vec3<Scalar> out;
+  sum.template store_part<3>(out.data());
+  return out;
+}
+
+/// The nine numbers of a block, by columns.
+template <std::floating_point Scalar>
+COROTET_ALWAYS_INLINE void write_columns(const std::array<Quad<Scalar>, 3>& column, Scalar* out) {
+  column[0].store(out);  // what is written behind a column is overwritten by the next
+  column[1].store(out + 3);
+  column[2].template store_part<3>(out + 6);
+}
+
+}  // namespace detail
+
+/// sqrt(mu V) R grad N of an element's node at a quadrature point, and the lambda / mu that acts there: what a
+/// stiffness block needs of one node, in one load.
+template <std::floating_point Scalar>
+struct alignas(4 * sizeof(Scalar)) NodeGradient : std::array<Scalar, 4> {
+  [[nodiscard]] COROTET_ALWAYS_INLINE Scalar lame_ratio() const { return (*this)[3]; }
+};
+
+/// The state of a corotated body that Elasticity::evaluate computes. Sized once: an evaluation allocates nothing. Each
+/// vector is followed by one number, so that assembly loads it as a Quad.
 template <std::floating_point Scalar, ReferenceElement Element>
 class ElasticEvaluation {
  public:
@@ -32,8 +64,10 @@ class ElasticEvaluation {
       : extremes((law.batches().size() + at(Law::batch_grain) - 1) / at(Law::batch_grain)),
         twist(Law::has_twist_modes ? tangent : Tangent::plain, law.batches().size(), points),
         force_(at(law.element_count()) * nodes),
+        volumetric_stress_(law.batches().size() * points),
         gradient_(at(law.element_count()) * points * nodes),
         mean_gradient_(law.mean_dilatation().gradient_count(law.element_count())),
+        frame_(law.mean_dilatation().needs_frames() ? law.batches().size() : 0),
         elements_(at(law.element_count())) {}
 
   [[nodiscard]] DeformationExtremes worst() const {
@@ -42,53 +76,61 @@ class ElasticEvaluation {
     return all;
   }
 
-  /// The force of an element on its node `a`, N, and a number that is not part of it: see volumetric_stress.
+  /// The force of an element on its node `a`, N.
   [[nodiscard]] Scalar* force(Index element, std::size_t a) { return force_[at(element) * nodes + a].data(); }
 
-  /// What resists the change of volume at quadrature point q of an element, over mu: lambda theta / mu with
-  /// theta = tr(R^T F) - 3; with mean dilatation, that of the part at the point and of the mean together. All that
-  /// second derivatives of theta (the twist modes) are multiplied with.
+  /// The stress over mu that resists the change of volume at point q of each element in a batch: lambda theta / mu
+  /// with theta = tr(R^T F) - 3; with mean dilatation, that of the part at the point and of the mean together. The
+  /// factor of all second derivatives of theta (the twist modes).
+  [[nodiscard]] Lanes<Scalar>& volumetric_stress_of_batch(std::size_t q, Index batch) {
+    return volumetric_stress_[at(batch) * points + q];
+  }
+  /// The same of one element.
   [[nodiscard]] Scalar volumetric_stress(std::size_t q, Index element) const {
-    static_assert(points <= nodes);
-    return force_[at(element) * nodes + q][3];
+    return volumetric_stress_[at(element / lane_count<Scalar>) * points + q][element % lane_count<Scalar>];
   }
-  void set_volumetric_stress(std::size_t q, Index element, Scalar value) { force_[at(element) * nodes + q][3] = value; }
-
-  /// sqrt(mu V) R grad N at quadrature point q, and the lambda / mu that acts there, of the node that is number
-  /// `element * nodes + a`.
-  [[nodiscard]] Scalar* gradient(std::size_t q, std::size_t element_node) {
-    return gradient_[q * elements_ * nodes + element_node].data();
-  }
-  [[nodiscard]] COROTET_ALWAYS_INLINE const Scalar* gradient(std::size_t q, std::size_t element_node) const {
-    return gradient_[q * elements_ * nodes + element_node].data();
+  void set_volumetric_stress(std::size_t q, Index element, Scalar value) {
+    volumetric_stress_of_batch(q, element / lane_count<Scalar>).set(element % lane_count<Scalar>, value);
   }
 
-  /// g of MeanDilatation, sqrt(N/m), and a number without meaning: of each vertex of each patch, or of the node that is
-  /// number `element * nodes + a`. There are none unless the law asks for them.
+  /// At quadrature point q, of the node that is number `element * nodes + a`.
+  [[nodiscard]] NodeGradient<Scalar>& gradient(std::size_t q, std::size_t element_node) {
+    return gradient_[q * elements_ * nodes + element_node];
+  }
+  [[nodiscard]] COROTET_ALWAYS_INLINE const NodeGradient<Scalar>& gradient(std::size_t q,
+                                                                           std::size_t element_node) const {
+    return gradient_[q * elements_ * nodes + element_node];
+  }
+
+  /// g of MeanDilatation, sqrt(N/m): of each vertex of each patch, or of the node that is number `element * nodes + a`.
+  /// There are none unless the law asks for them.
   [[nodiscard]] Scalar* mean_gradient(std::size_t i) { return mean_gradient_[i].data(); }
   [[nodiscard]] COROTET_ALWAYS_INLINE const Scalar* mean_gradient(std::size_t i) const {
     return mean_gradient_[i].data();
   }
+
+  /// Rotation and strain of the elements of a batch with one quadrature point. Kept only where the stress is known
+  /// after all elements have been evaluated: MeanDilatation::needs_frames.
+  struct Frame {
+    Mat3Lanes<Scalar> rotation;
+    StrainLanes<Scalar> strain;
+  };
+  [[nodiscard]] Frame& frame(Index batch) { return frame_[at(batch)]; }
 
   /// Numbers from an element's force or gradient to that of the next element.
   static constexpr std::size_t stride = 4 * nodes;
 
   /// The elastic force on one vertex, N: the force that the body exerts on it.
   [[nodiscard]] Vec3<Scalar> vertex_force(const BlockPattern& pattern, Index vertex) const {
-    Quad<Scalar> sum(Scalar(0));
-    for (Index k = pattern.incidence_start[at(vertex)]; k < pattern.incidence_start[at(vertex) + 1]; ++k)
-      sum += Quad<Scalar>::load(force_[at(pattern.incidence[at(k)])].data());
-    Vec3<Scalar> force;
-    sum.template store_part<3>(force.data());
-    return force;
+    return detail::sum_of_nodes(pattern, force_, vertex);
   }
 
  private:
-  struct alignas(4 * sizeof(Scalar)) Four : std::array<Scalar, 4> {};
-
-  detail::Buffer<Four> force_;     // [element][node]
-  detail::Buffer<Four> gradient_;  // [point][element][node]
-  detail::Buffer<Four> mean_gradient_;
+  PaddedField<Scalar> force_;                        // [element][node]
+  detail::Buffer<Lanes<Scalar>> volumetric_stress_;  // [batch][point]
+  detail::Buffer<NodeGradient<Scalar>> gradient_;    // [point][element][node]
+  PaddedField<Scalar> mean_gradient_;
+  detail::Buffer<Frame> frame_;  // [batch]
   std::size_t elements_ = 0;
 };
 
@@ -103,12 +145,12 @@ class StiffnessSum {
   template <class Evaluation>
   COROTET_ALWAYS_INLINE void add(const Evaluation& state, std::size_t row, std::size_t column) {
     for (std::size_t q = 0; q < Evaluation::points; ++q) {
-      const Scalar* gb = state.gradient(q, column);
-      const Q ga = Q::load(state.gradient(q, row));
+      const NodeGradient<Scalar>& gb = state.gradient(q, column);
+      const Q ga = Q::load(state.gradient(q, row).data());
       COROTET_UNROLL
       for (std::size_t c = 0; c < 3; ++c) mu_[c] += ga * Q(gb[c]);
       if constexpr (!same_ratio) {
-        const Q lambda_ga = ga * Q(gb[3]);
+        const Q lambda_ga = ga * Q(gb.lame_ratio());
         COROTET_UNROLL
         for (std::size_t c = 0; c < 3; ++c) lambda_[c] += lambda_ga * Q(gb[c]);
       }
@@ -143,8 +185,8 @@ class StiffnessSum {
       k[c] = scale * (lambda_[c] + mu_t[c] + isotropic);
       k_t[c] = scale * (mu_[c] + lambda_t[c] + isotropic);
     }
-    write_columns(k, block);
-    write_columns(k_t, mirror);
+    detail::write_columns(k, block);
+    detail::write_columns(k_t, mirror);
   }
 
  private:
@@ -160,11 +202,6 @@ class StiffnessSum {
     COROTET_UNROLL
     for (std::size_t c = 0; c < 3; ++c) mu_[c].store(m[c].data());
     return Q(m[0][0] + m[1][1] + m[2][2]);
-  }
-  COROTET_ALWAYS_INLINE static void write_columns(const std::array<Q, 3>& column, Scalar* out) {
-    column[0].store(out);  // what is written behind a column is overwritten by the next
-    column[1].store(out + 3);
-    column[2].template store_part<3>(out + 6);
   }
 
   // Columns of sum lambda V g_a g_b^T and of sum mu V g_a g_b^T.

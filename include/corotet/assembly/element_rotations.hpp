@@ -1,9 +1,11 @@
-// The rotations of a batch of elements, from the deformation gradients at their quadrature points.
+// The deformation gradients of a batch of elements at their quadrature points, and the rotations in them.
 #pragma once
 
 #include <array>
 #include <concepts>
 #include <corotet/core/lanes.hpp>
+#include <corotet/core/types.hpp>
+#include <corotet/element/element_batch.hpp>
 #include <corotet/rotation/polar.hpp>
 #include <corotet/rotation/rotation_extractor.hpp>
 #include <cstddef>
@@ -60,6 +62,22 @@ void extract_rotations(const Batch& batch, const std::array<Mat3Lanes<Scalar>, p
           r[q].set_lane(l, polar_near<Scalar>(f[q].lane(l), turn.lane(l), Scalar(1)));
     }
   }
+}
+
+/// F and R at each quadrature point of a batch, and the least determinant of F in each element.
+template <RotationExtractor Rotation, std::floating_point Scalar, ReferenceElement Element, std::size_t points>
+Lanes<Scalar> deformation_of_batch(const ElementBatch<Scalar, Element>& batch, const Field<Scalar>& displacement,
+                                   std::array<Mat3Lanes<Scalar>, points>& f, std::array<Mat3Lanes<Scalar>, points>& r) {
+  std::array<Vec3Lanes<Scalar>, std::size_t{Element::nodes}> u;
+  batch.gather(displacement.data(), u);
+  for (std::size_t q = 0; q < points; ++q) batch.displacement_gradient(q, u, f[q]);
+  Lanes<Scalar> least = 1;
+  for (std::size_t q = 0; q < points; ++q) {
+    for (int i = 0; i < 3; ++i) f[q](i, i) += 1;
+    least = lane_min(least, determinant(f[q]));
+  }
+  extract_rotations<Rotation>(batch, f, least, r);
+  return least;
 }
 
 }  // namespace corotet::inline v0_1

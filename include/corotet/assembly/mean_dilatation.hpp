@@ -7,13 +7,15 @@
 #include <corotet/assembly/block_pattern.hpp>
 #include <corotet/assembly/dilatation_patches.hpp>
 #include <corotet/assembly/elastic_evaluation.hpp>
-#include <corotet/assembly/strain.hpp>
 #include <corotet/core/buffer.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/ordered_sum.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/element_batch.hpp>
+#include <corotet/material/strain.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
 #include <cstdint>
+#include <span>
 
 namespace corotet::inline v0_1 {
 
@@ -44,8 +46,8 @@ class MeanDilatation {
   using Evaluation = ElasticEvaluation<Scalar, Element>;
   using L = Lanes<Scalar>;
 
-  /// True for Tet4, false for Tet10.
-  static constexpr bool over_patches = Batch::points == 1;
+  /// True for linear tetrahedra, whose patches are found by their faces; false for elements with several points.
+  static constexpr bool over_patches = LinearTetrahedron<Element>;
 
   /// Off: every element for itself.
   MeanDilatation() = default;
@@ -128,17 +130,25 @@ class MeanDilatation {
     });
   }
 
-  /// Energy of the mean part of patch p, J, with theta(e) of its elements.
-  template <class Theta>
-  [[nodiscard]] double patch_energy(Index p, const Theta& theta) const {
-    double sum = 0;
-    for (Index k = patches_.start[at(p)]; k < patches_.start[at(p) + 1]; ++k)
-      sum += static_cast<double>(weight_[at(k)].trace) * theta(patches_.element[at(k)]);
-    return sum * sum / 2;
+  /// Energy of the mean parts of all patches, J, with `theta` of each element.
+  [[nodiscard]] double patches_energy(std::span<const double> theta, ExecutorRef executor) const {
+    return detail::ordered_sum(executor, patches_.count(), patch_grain, [&](Index begin, Index end) {
+      double energy = 0;
+      for (Index p = begin; p < end; ++p) {
+        double sum = 0;
+        for (Index k = patches_.start[at(p)]; k < patches_.start[at(p) + 1]; ++k)
+          sum += static_cast<double>(weight_[at(k)].trace) * theta[at(patches_.element[at(k)])];
+        energy += sum * sum / 2;
+      }
+      return energy;
+    });
   }
 
   /// Numbers that Elasticity::energy keeps while it works: theta of each element, where patches need it.
   [[nodiscard]] std::size_t scratch_size() const { return over_patches ? ratio_.size() * at(lane_count<Scalar>) : 0; }
+
+  /// Whether an evaluation keeps rotations and strains until `finish` has found the stress.
+  [[nodiscard]] bool needs_frames() const { return on_ && over_patches; }
 
   /// Vectors g that an evaluation keeps.
   [[nodiscard]] std::size_t gradient_count(Index elements) const {
@@ -184,9 +194,11 @@ class MeanDilatation {
     for (Index k = begin; k < end; ++k) {
       const Index e = patches_.element[at(k)];
       const Weight& weight = weight_[at(k)];
-      const Scalar own = state.volumetric_stress(0, e), pointwise_ratio = state.gradient(0, at(e) * Element::nodes)[3];
+      const Scalar own = state.volumetric_stress(0, e);
+      const Scalar pointwise_ratio = state.gradient(0, at(e) * Element::nodes).lame_ratio();
       for (std::size_t a = 0; a < Element::nodes; ++a) {
-        const Q share = Q(weight.gradient) * Q::load(state.gradient(0, at(e) * Element::nodes + a));
+        const Q share =
+            (Q(weight.gradient) * Q::load(state.gradient(0, at(e) * Element::nodes + a).data())).first_three();
         g[local_[at(k)][a]] += share;
         (Q::load(state.force(e, a)) - Q(sum) * share).store(state.force(e, a));
       }

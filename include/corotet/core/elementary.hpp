@@ -65,4 +65,23 @@ namespace corotet::inline v0_1::detail {
   return e;
 }
 
+/// x - log(1 + x), to 1e-15 of it, for x > -1: by the series of the inverse hyperbolic tangent of x / (2 + x), or of
+/// what is left of 1 + x without its power of two.
+[[nodiscard]] inline double excess_over_logarithm(double x) {
+  constexpr double log_2 = 0.69314718055994530942;
+  const auto odd_series = [](double s) {  // atanh(s) / s - 1
+    double sum = 0;
+    for (int n = 41; n >= 3; n -= 2) sum = s * s * (1.0 / n + sum);
+    return sum;
+  };
+  if (std::fabs(x) < 0.5) {
+    const double s = x / (2 + x);
+    return s * (x - 2 * odd_series(s));  // log(1 + x) = 2 atanh(s), and x - 2 s = x s
+  }
+  if (!std::isfinite(x)) return x;
+  int exponent = 0;
+  const double m = std::frexp(1 + x, &exponent), s = (m - 1) / (m + 1);
+  return x - 2 * s * (1 + odd_series(s)) - exponent * log_2;
+}
+
 }  // namespace corotet::inline v0_1::detail

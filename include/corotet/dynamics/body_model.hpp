@@ -14,6 +14,7 @@
 #include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/crossing_time.hpp>
+#include <corotet/material/corotated.hpp>
 #include <corotet/material/material.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
 #include <cstdint>
@@ -31,14 +32,15 @@ struct BodyOptions {
 };
 
 /// Immutable, and shared by any number of bodies: 1,000 copies of a body hold one model and 1,000 states.
-template <std::floating_point Scalar, ReferenceElement Element = Tet4, RotationExtractor Rotation = Polar>
+template <std::floating_point Scalar, ReferenceElement Element = Tet4, ElasticLaw LawType = Polar>
 class BodyModel {
  public:
   using Mesh = TetMesh<Scalar, Element>;
-  using Law = Elasticity<Scalar, Element, Rotation>;
+  using Law = Elasticity<Scalar, Element, LawType>;
   using Pointer = std::shared_ptr<const BodyModel>;
 
-  /// Errors: invalid_argument for a material (see Materials::validate), negative damping, or couplings that name no
+  /// Errors: unsupported for a mean dilatation with another model than the corotated one; invalid_argument for a
+  /// material (see Materials::validate), negative damping, or couplings that name no
   /// vertex of the mesh or more than VertexGroups::most_vertices in a group.
   [[nodiscard]] COROTET_COLD static Result<Pointer> create(Mesh mesh, const Materials& materials,
                                                            const BodyOptions& options = {});
@@ -84,8 +86,8 @@ class BodyModel {
 };
 
 // Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
-template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
-BodyModel<Scalar, Element, Rotation>::BodyModel(Mesh mesh, const Materials& materials, const BodyOptions& options)
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+BodyModel<Scalar, Element, LawType>::BodyModel(Mesh mesh, const Materials& materials, const BodyOptions& options)
     : mesh_(std::make_shared<const Mesh>(std::move(mesh))),
       materials_(materials),
       options_(options),
@@ -98,8 +100,8 @@ BodyModel<Scalar, Element, Rotation>::BodyModel(Mesh mesh, const Materials& mate
   set_fingerprint();
 }
 
-template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
-void BodyModel<Scalar, Element, Rotation>::set_fingerprint() {
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+void BodyModel<Scalar, Element, LawType>::set_fingerprint() {
   detail::Fingerprint print;
   for (const Vec3<Scalar>& x : mesh_->positions())
     for (const Scalar each : x) print.add(double(each));
@@ -117,19 +119,22 @@ void BodyModel<Scalar, Element, Rotation>::set_fingerprint() {
   fingerprint_ = print.value();
 }
 
-template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
-Result<std::shared_ptr<const BodyModel<Scalar, Element, Rotation>>> BodyModel<Scalar, Element, Rotation>::create(
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+Result<std::shared_ptr<const BodyModel<Scalar, Element, LawType>>> BodyModel<Scalar, Element, LawType>::create(
     Mesh mesh, const Materials& materials, const BodyOptions& options) {
   if (Result<void> s = materials.template validate<Scalar>(at(mesh.element_count())); !s) return s.error();
   for (const double damping : {options.damping.mass, options.damping.stiffness})
     if (!std::isfinite(damping) || damping < 0)
       return detail::error(ErrorCode::invalid_argument, {"damping"}, {"must be >= 0 and finite"});
   if (Result<void> s = check_couplings(options.couplings, mesh.vertex_count()); !s) return s.error();
+  if (!Law::has_mean_dilatation && options.dilatation != Dilatation::per_element)
+    return detail::error(ErrorCode::unsupported, {"dilatation"},
+                         {"a mean dilatation is for the corotated model, this body's is ", Law::Model::name});
   return Pointer(new BodyModel(std::move(mesh), materials, options));
 }
 
-template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
-Result<void> BodyModel<Scalar, Element, Rotation>::check_couplings(const VertexGroups& couplings, Index vertices) {
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+Result<void> BodyModel<Scalar, Element, LawType>::check_couplings(const VertexGroups& couplings, Index vertices) {
   for (const Index v : couplings.vertex)
     if (v < 0 || v >= vertices)
       return detail::error(ErrorCode::index_out_of_range, {"couplings"}, {"there is no vertex ", v});
@@ -142,9 +147,9 @@ Result<void> BodyModel<Scalar, Element, Rotation>::check_couplings(const VertexG
   return {};
 }
 
-template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
-Result<std::shared_ptr<const BodyModel<Scalar, Element, Rotation>>>
-BodyModel<Scalar, Element, Rotation>::with_materials(const Materials& materials) const {
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+Result<std::shared_ptr<const BodyModel<Scalar, Element, LawType>>> BodyModel<Scalar, Element, LawType>::with_materials(
+    const Materials& materials) const {
   if (Result<void> s = materials.template validate<Scalar>(at(mesh_->element_count())); !s) return s.error();
   auto* const model = new BodyModel(*this);
   const Pointer owner(model);

@@ -5,6 +5,7 @@
 #include <concepts>
 #include <corotet/core/assert.hpp>
 #include <corotet/core/compiler.hpp>
+#include <corotet/core/executor.hpp>
 #include <corotet/core/instances.hpp>
 #include <corotet/core/memory_use.hpp>
 #include <corotet/core/message.hpp>
@@ -14,7 +15,10 @@
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/body_model.hpp>
 #include <corotet/dynamics/pins.hpp>
+#include <corotet/material/corotated.hpp>
+#include <corotet/material/elastic_model.hpp>
 #include <corotet/material/material.hpp>
+#include <corotet/material/point_states.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
 #include <corotet/terms/body_terms.hpp>
 #include <memory>
@@ -27,14 +31,15 @@ namespace corotet::inline v0_1 {
 /// position, so that float keeps its digits wherever the rest shape lies: all positions are relative to `origin()`. A
 /// body that then travels many times its size has a large displacement, and loses them again, until `rebase` moves the
 /// origin after it. An integrator (ImplicitEuler) moves it.
-template <std::floating_point Scalar, ReferenceElement Element = Tet4, RotationExtractor Rotation = Polar>
-class SoftBody {
+template <std::floating_point Scalar, ReferenceElement Element = Tet4, ElasticLaw LawType = Polar>
+class SoftBody : private PointStates<Scalar, ElasticModelOf<LawType>> {
  public:
   using scalar_type = Scalar;
   using element_type = Element;
   using Mesh = TetMesh<Scalar, Element>;
-  using Law = Elasticity<Scalar, Element, Rotation>;
-  using Model = BodyModel<Scalar, Element, Rotation>;
+  using Law = Elasticity<Scalar, Element, LawType>;
+  using Model = BodyModel<Scalar, Element, LawType>;
+  using States = PointStates<Scalar, ElasticModelOf<LawType>>;
 
   /// A body at rest in its rest shape, free of pins, gravity and forces, of a model of its own. Errors: as
   /// BodyModel::create.
@@ -79,6 +84,21 @@ class SoftBody {
   void rebase();
   /// The same by a given shift, m.
   void rebase(const Vec3<Scalar>& shift);
+
+  /// The state of the material at each quadrature point; empty for a model without state.
+  [[nodiscard]] const States& point_states() const { return *this; }
+  /// Replaces it, by what point_states() of a body with this model returned.
+  void set_point_states(const States& states);
+
+  /// For integrators, once a step is accepted: the trial states of `evaluation`, which must be that of the body's
+  /// present displacement, become the body's. Nothing for a model without state.
+  void commit(const typename Law::Evaluation& evaluation);
+
+  /// The law evaluated with the body's point states: see Elasticity.
+  void evaluate(const Field<Scalar>& displacement, typename Law::Evaluation& out, ExecutorRef executor) const;
+  /// W at a displacement, J. `scratch` has law().mean_dilatation().scratch_size() entries. Allocates nothing.
+  [[nodiscard]] double elastic_energy(const Field<Scalar>& displacement, std::span<double> scratch,
+                                      ExecutorRef executor) const;
 
   /// Vertices held in place or led along a path.
   [[nodiscard]] Pins<Scalar>& pins() { return pins_; }
@@ -161,44 +181,45 @@ class SoftBody {
 };
 
 // Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
-template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
-SoftBody<Scalar, Element, Rotation>::SoftBody(std::shared_ptr<const Model> model)
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+SoftBody<Scalar, Element, LawType>::SoftBody(std::shared_ptr<const Model> model)
     : model_(std::move(model)),
       pins_(vertex_count()),
       displacement_(at(vertex_count()), Vec3<Scalar>::Zero()),
       velocity_(displacement_) {
   nodal_force_.force = displacement_;
   damping_.damping = model_->options().damping;
+  if constexpr (Law::has_point_states) static_cast<States&>(*this) = law().states_at_rest();
 }
 
-template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
-Result<SoftBody<Scalar, Element, Rotation>> SoftBody<Scalar, Element, Rotation>::create(Mesh mesh,
-                                                                                        const Materials& materials,
-                                                                                        const BodyOptions& options) {
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+Result<SoftBody<Scalar, Element, LawType>> SoftBody<Scalar, Element, LawType>::create(Mesh mesh,
+                                                                                      const Materials& materials,
+                                                                                      const BodyOptions& options) {
   auto model = Model::create(std::move(mesh), materials, options);
   if (!model) return model.error();
   return SoftBody(*std::move(model));
 }
 
-template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
-Result<void> SoftBody<Scalar, Element, Rotation>::set_displacements(std::span<const Vec3<Scalar>> displacement) {
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+Result<void> SoftBody<Scalar, Element, LawType>::set_displacements(std::span<const Vec3<Scalar>> displacement) {
   if (Result<void> s = check_field("displacements", displacement); !s) return s;
   displacement_.assign(displacement.begin(), displacement.end());
   revision_ = motion_revision_ = new_revision();
   return {};
 }
 
-template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
-Result<void> SoftBody<Scalar, Element, Rotation>::set_velocities(std::span<const Vec3<Scalar>> velocity) {
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+Result<void> SoftBody<Scalar, Element, LawType>::set_velocities(std::span<const Vec3<Scalar>> velocity) {
   if (Result<void> s = check_field("velocities", velocity); !s) return s;
   velocity_.assign(velocity.begin(), velocity.end());
   motion_revision_ = new_revision();
   return {};
 }
 
-template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
-Result<void> SoftBody<Scalar, Element, Rotation>::set_state(std::span<const Vec3<double>> positions,
-                                                            std::span<const Vec3<Scalar>> velocity) {
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+Result<void> SoftBody<Scalar, Element, LawType>::set_state(std::span<const Vec3<double>> positions,
+                                                           std::span<const Vec3<Scalar>> velocity) {
   if (positions.size() != displacement_.size())
     return detail::error(ErrorCode::invalid_argument, {"positions"},
                          {"there are ", positions.size(), " for ", displacement_.size(), " vertices"});
@@ -219,22 +240,22 @@ Result<void> SoftBody<Scalar, Element, Rotation>::set_state(std::span<const Vec3
   return {};
 }
 
-template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
-void SoftBody<Scalar, Element, Rotation>::rebase() {
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+void SoftBody<Scalar, Element, LawType>::rebase() {
   Vec3<double> mean = Vec3<double>::Zero();
   for (const Vec3<Scalar>& u : displacement_) mean += u.template cast<double>();
   rebase((mean / static_cast<double>(displacement_.size())).template cast<Scalar>());
 }
 
-template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
-void SoftBody<Scalar, Element, Rotation>::rebase(const Vec3<Scalar>& shift) {
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+void SoftBody<Scalar, Element, LawType>::rebase(const Vec3<Scalar>& shift) {
   for (Vec3<Scalar>& u : displacement_) u -= shift;
   pins_.translate(-shift);
   shift_ += shift.template cast<double>();
 }
 
-template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
-Result<void> SoftBody<Scalar, Element, Rotation>::set_materials(const Materials& materials) {
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+Result<void> SoftBody<Scalar, Element, LawType>::set_materials(const Materials& materials) {
   auto model = model_->with_materials(materials);
   if (!model) return model.error();
   model_ = *std::move(model);
@@ -242,26 +263,28 @@ Result<void> SoftBody<Scalar, Element, Rotation>::set_materials(const Materials&
   return {};
 }
 
-template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
-void SoftBody<Scalar, Element, Rotation>::reset() {
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+void SoftBody<Scalar, Element, LawType>::reset() {
   for (Field<Scalar>* field : {&displacement_, &velocity_})
     for (Vec3<Scalar>& x : *field) x.setZero();
+  if constexpr (Law::has_point_states) static_cast<States&>(*this) = law().states_at_rest();
   revision_ = motion_revision_ = new_revision();
 }
 
-template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
-void SoftBody<Scalar, Element, Rotation>::visit_state(detail::StateArchive& archive) {
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+void SoftBody<Scalar, Element, LawType>::visit_state(detail::StateArchive& archive) {
   archive(displacement_);
   archive(shift_);
   archive(velocity_);
   archive(nodal_force_.force);
   archive(gravity_.acceleration);
   archive(pins_);
+  if constexpr (Law::has_point_states) archive(static_cast<States&>(*this));
   if (archive.reads()) revision_ = motion_revision_ = new_revision();
 }
 
-template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
-void SoftBody<Scalar, Element, Rotation>::swap_state(Field<Scalar>& displacement, Field<Scalar>& velocity) {
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+void SoftBody<Scalar, Element, LawType>::swap_state(Field<Scalar>& displacement, Field<Scalar>& velocity) {
   COROTET_ASSERT(displacement.size() == displacement_.size() && velocity.size() == velocity_.size(),
                  "the buffers belong to another body");
   displacement_.swap(displacement);
@@ -269,9 +292,9 @@ void SoftBody<Scalar, Element, Rotation>::swap_state(Field<Scalar>& displacement
   revision_ = motion_revision_ = new_revision();
 }
 
-template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
-Result<void> SoftBody<Scalar, Element, Rotation>::check_field(const char* name,
-                                                              std::span<const Vec3<Scalar>> field) const {
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+Result<void> SoftBody<Scalar, Element, LawType>::check_field(const char* name,
+                                                             std::span<const Vec3<Scalar>> field) const {
   if (field.size() != displacement_.size())
     return detail::error(ErrorCode::invalid_argument, {name},
                          {"there are ", field.size(), " for ", displacement_.size(), " vertices"});
@@ -279,6 +302,36 @@ Result<void> SoftBody<Scalar, Element, Rotation>::check_field(const char* name,
     if (!field[v].allFinite())
       return detail::error(ErrorCode::non_finite_value, {name, " of vertex ", v}, {"is not finite"});
   return {};
+}
+
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+void SoftBody<Scalar, Element, LawType>::set_point_states(const States& states) {
+  COROTET_ASSERT(states.size() == point_states().size(), "the states belong to another body");
+  static_cast<States&>(*this) = states;
+  if constexpr (Law::has_point_states) revision_ = new_revision();
+}
+
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+void SoftBody<Scalar, Element, LawType>::commit(const typename Law::Evaluation& evaluation) {
+  if constexpr (Law::has_point_states) set_point_states(evaluation.trial());
+}
+
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+void SoftBody<Scalar, Element, LawType>::evaluate(const Field<Scalar>& displacement, typename Law::Evaluation& out,
+                                                  ExecutorRef executor) const {
+  if constexpr (Law::has_point_states)
+    law().evaluate(displacement, point_states(), out, executor);
+  else
+    law().evaluate(displacement, out, executor);
+}
+
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+double SoftBody<Scalar, Element, LawType>::elastic_energy(const Field<Scalar>& displacement, std::span<double> scratch,
+                                                          ExecutorRef executor) const {
+  if constexpr (Law::has_point_states)
+    return law().energy(displacement, point_states(), executor);
+  else
+    return law().energy(displacement, scratch, executor);
 }
 
 COROTET_INSTANCES_OF_ELEMENT(SoftBody)

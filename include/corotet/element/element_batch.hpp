@@ -8,14 +8,6 @@
 
 namespace corotet::inline v0_1 {
 
-/// Gradients of the shape functions in natural coordinates at the stiffness quadrature points: [point][node].
-template <ReferenceElement Element>
-inline constexpr auto natural_gradients = [] {
-  std::array<std::array<NaturalCoordinates, Element::nodes>, Element::stiffness_points.size()> table{};
-  for (std::size_t q = 0; q < table.size(); ++q) table[q] = Element::gradient(Element::stiffness_points[q].xi);
-  return table;
-}();
-
 /// Structure of arrays over `lane_count` elements. Lanes beyond the last element have zero volume and name vertex 0.
 template <std::floating_point Scalar, ReferenceElement Element>
 struct ElementBatch {
@@ -44,7 +36,7 @@ struct ElementBatch {
   void displacement_gradient(std::size_t q, const std::array<Vec3Lanes<Scalar>, Element::nodes>& u,
                              Mat3Lanes<Scalar>& h) const {
     Mat3Lanes<Scalar> natural;  // du/dxi
-    if constexpr (Element::order == 1) {
+    if constexpr (has_unit_gradients<Element>) {
       for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t c = 0; c < 3; ++c) natural.entry[i][c] = u[c + 1][i] - u[0][i];
     } else {
@@ -69,7 +61,7 @@ struct ElementBatch {
     Vec3Lanes<Scalar> sum;
     for (std::size_t i = 0; i < 3; ++i) {
       const auto& row = m.entry[i];
-      if constexpr (Element::order == 1) {  // the gradients are (-1, -1, -1) and the unit vectors
+      if constexpr (has_unit_gradients<Element>) {
         sum[i] = a == 0 ? -(row[0] + row[1] + row[2]) : row[a - 1];
       } else {
         sum[i] = 0;

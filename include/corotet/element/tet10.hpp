@@ -1,7 +1,9 @@
 // The 10-node tetrahedron: quadratic shape functions on corners and edge midpoints.
 #pragma once
 
+#include <array>
 #include <corotet/element/reference_element.hpp>
+#include <cstddef>
 
 namespace corotet::inline v0_1 {
 
@@ -9,7 +11,9 @@ namespace corotet::inline v0_1 {
 /// Bends without locking; many times fewer elements than Tet4 for the same error: see docs/elements.md.
 struct Tet10 {
   static constexpr int nodes = 10;
-  static constexpr int order = 2;
+  static constexpr int order = 2;  ///< degree of the shape functions
+  static constexpr int edge_nodes = 1;
+  static constexpr std::array<std::size_t, nodes> mirrored{0, 2, 1, 3, 6, 5, 4, 7, 9, 8};
   static constexpr auto stiffness_points = quadrature::degree2;
   static constexpr auto mass_points = quadrature::degree5;
 
@@ -44,6 +48,6 @@ struct Tet10 {
   }
 };
 
-static_assert(ReferenceElement<Tet10>);
+static_assert(TetrahedralElement<Tet10>);
 
 }  // namespace corotet::inline v0_1

@@ -1,14 +1,18 @@
 // The 4-node tetrahedron: linear shape functions, one deformation gradient an element.
 #pragma once
 
+#include <array>
 #include <corotet/element/reference_element.hpp>
+#include <cstddef>
 
 namespace corotet::inline v0_1 {
 
 /// Cheapest element. Stiff in bending and locks as Poisson's ratio nears 1/2: see docs/elements.md for how much.
 struct Tet4 {
   static constexpr int nodes = 4;
-  static constexpr int order = 1;
+  static constexpr int order = 1;  ///< degree of the shape functions
+  static constexpr int edge_nodes = 0;
+  static constexpr std::array<std::size_t, nodes> mirrored{0, 2, 1, 3};
   static constexpr auto stiffness_points = quadrature::degree1;
   static constexpr auto mass_points = quadrature::degree2;
 
@@ -23,6 +27,6 @@ struct Tet4 {
   }
 };
 
-static_assert(ReferenceElement<Tet4>);
+static_assert(LinearTetrahedron<Tet4>);
 
 }  // namespace corotet::inline v0_1

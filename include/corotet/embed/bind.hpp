@@ -33,14 +33,14 @@ struct BoundPoint {
 };
 
 /// Node positions of an element in double.
-template <std::floating_point Scalar, ReferenceElement Element>
+template <std::floating_point Scalar, TetrahedralElement Element>
 NodePositions<Element> node_positions(const TetMesh<Scalar, Element>& mesh, Index e) {
   NodePositions<Element> x;
   for (std::size_t a = 0; a < x.size(); ++a) x[a] = mesh.position(mesh.element(e)[a]).template cast<double>();
   return x;
 }
 
-template <std::floating_point Scalar, ReferenceElement Element>
+template <std::floating_point Scalar, TetrahedralElement Element>
 BoxTree element_tree(const TetMesh<Scalar, Element>& mesh) {
   std::vector<Box> boxes(at(mesh.element_count()));
   for (Index e = 0; e < mesh.element_count(); ++e) boxes[at(e)] = element_box<Element>(node_positions(mesh, e));
@@ -56,9 +56,9 @@ double position_rounding(const Box& bounds) {
 
 /// A curved element may fold at its rim, where no quadrature point looks: there the linear extension starts from the
 /// nearest point at which the mesh guarantees a positive Jacobian.
-template <ReferenceElement Element>
-Vec3<double> usable_start(const ElementField<double, Element::order>& map, const Vec3<double>& xi) {
-  if constexpr (Element::order == 1) {
+template <TetrahedralElement Element>
+Vec3<double> usable_start(const ElementField<double, Element::edge_nodes>& map, const Vec3<double>& xi) {
+  if constexpr (Element::edge_nodes == 0) {
     return xi;
   } else {
     constexpr double least = 1e-3;  // of the smallest Jacobian at the quadrature points
@@ -77,7 +77,7 @@ Vec3<double> usable_start(const ElementField<double, Element::order>& map, const
 }
 
 /// Binds `p` (relative to the mesh's origin).
-template <std::floating_point Scalar, ReferenceElement Element>
+template <std::floating_point Scalar, TetrahedralElement Element>
 BoundPoint bind_point(const TetMesh<Scalar, Element>& mesh, const BoxTree& tree, double rounding,
                       const Vec3<double>& p) {
   BoundPoint bound;
@@ -99,9 +99,9 @@ BoundPoint bind_point(const TetMesh<Scalar, Element>& mesh, const BoxTree& tree,
   };
   search(false);
   // One start for each element finds nearly every point that is inside; only the others are worth several.
-  if (Element::order > 1 && bound.distance > 0) search(true);
+  if (Element::edge_nodes > 0 && bound.distance > 0) search(true);
   const NodePositions<Element> x = node_positions(mesh, bound.element);
-  const auto map = ElementField<double, Element::order>::from_nodes([&](int a) { return x[at(a)]; });
+  const auto map = ElementField<double, Element::edge_nodes>::from_nodes([&](int a) { return x[at(a)]; });
   bound.xi = usable_start<Element>(map, bound.xi);
   bound.step = map.gradient(bound.xi).inverse() * (p - map.value(bound.xi));
   return bound;
@@ -120,7 +120,7 @@ inline std::vector<Vec3<double>> unit_normals(std::span<const Vec3<double>> norm
 }
 
 /// Lengths, and the first vertex that is not finite or too far from the mesh's origin.
-template <std::floating_point Scalar, ReferenceElement Element>
+template <std::floating_point Scalar, TetrahedralElement Element>
 Result<void> check_surface(const TetMesh<Scalar, Element>& mesh, std::span<const Vec3<double>> positions,
                            std::span<const Vec3<double>> normals) {
   if (positions.size() > std::size_t{(std::numeric_limits<Index>::max)()} / 3)

@@ -22,39 +22,39 @@ Mat3<Scalar> cofactor(const Mat3<Scalar>& m) {
 }
 
 /// A surface vertex, as small as it can be: updates are bound by the memory they read.
-template <std::floating_point Scalar, int order>
+template <std::floating_point Scalar, int edge_nodes>
 struct BoundVertex {
   Index slot;  ///< of the element that carries it
   /// Tet4: xi + step, all that a linear field needs. Tet10: xi, then xi / 2 + step (see `ElementMotion`).
-  std::array<Vec3<Scalar>, std::size_t{order}> where;
+  std::array<Vec3<Scalar>, std::size_t{edge_nodes + 1}> where;
   /// J^T N with the rest Jacobian J = dX/dxi: the normal in natural coordinates, unit length. cof(dx/dxi) takes it to
   /// the deformed normal, as cof(F) N = cof(dx/dxi) J^T N / det J.
   Vec3<Scalar> normal;
 
   /// Rest normal `n` (unit length, or zero) at `point`, which is carried by the element in slot `carrier`.
-  template <ReferenceElement Element>
+  template <TetrahedralElement Element>
   BoundVertex(const TetMesh<Scalar, Element>& mesh, const BoundPoint& point, Index carrier, const Vec3<double>& n)
       : slot(carrier) {
-    if constexpr (order == 1) {
+    if constexpr (edge_nodes == 0) {
       where[0] = (point.xi + point.step).template cast<Scalar>();
     } else {
       where[0] = point.xi.cast<Scalar>();
       where[1] = (point.xi / 2 + point.step).template cast<Scalar>();
     }
     const NodePositions<Element> x = node_positions(mesh, point.element);
-    const auto map = ElementField<double, order>::from_nodes([&](int a) { return x[at(a)]; });
+    const auto map = ElementField<double, edge_nodes>::from_nodes([&](int a) { return x[at(a)]; });
     normal = (map.gradient(point.xi).transpose() * n).stableNormalized().template cast<Scalar>();
   }
 
   [[nodiscard]] bool is_finite() const { return where.front().allFinite() && where.back().allFinite(); }
 
   /// N_a(xi) + dN_a/dxi . step
-  template <ReferenceElement Element>
+  template <TetrahedralElement Element>
   [[nodiscard]] std::array<double, Element::nodes> weights() const {
     const Vec3<double> first = where[0].template cast<double>();
     const NaturalCoordinates xi{first[0], first[1], first[2]};
     std::array<double, Element::nodes> w = Element::shape(xi);
-    if constexpr (order == 2) {
+    if constexpr (edge_nodes == 1) {
       const Vec3<double> step = where[1].template cast<double>() - first / 2;
       const auto gradient = Element::gradient(xi);
       for (std::size_t a = 0; a < w.size(); ++a)
@@ -65,15 +65,15 @@ struct BoundVertex {
 };
 
 /// An element that carries vertices: its nodes, its rest shape (m) and the size of that.
-template <std::floating_point Scalar, ReferenceElement Element>
+template <std::floating_point Scalar, TetrahedralElement Element>
 struct CarrierElement {
   std::array<Index, Element::nodes> nodes;
-  ElementField<Scalar, Element::order> rest;
+  ElementField<Scalar, Element::edge_nodes> rest;
   Scalar size;
 
   CarrierElement(const TetMesh<Scalar, Element>& mesh, Index e)
       : nodes(mesh.element(e)),
-        rest(ElementField<Scalar, Element::order>::from_nodes([&](int a) { return mesh.position(nodes[at(a)]); })),
+        rest(ElementField<Scalar, Element::edge_nodes>::from_nodes([&](int a) { return mesh.position(nodes[at(a)]); })),
         size(rest.slope.cwiseAbs().maxCoeff()) {}
 };
 
@@ -116,7 +116,7 @@ Scalar rounding_of_normal(Scalar squared_jacobian) {
 }
 
 /// `cof_m` / |cof_m|; where that is lost in rounding or overflow, the rest normal at `xi` of m = `vertex.normal`.
-template <std::floating_point Scalar, ReferenceElement Element>
+template <std::floating_point Scalar, TetrahedralElement Element>
 Wide<Scalar> unit_normal(const Wide<Scalar>& cof_m, Scalar least_squared, const Vec3<Scalar>& m, const Vec3<Scalar>& xi,
                          const CarrierElement<Scalar, Element>& carrier) {
   const Scalar squared = cof_m.squaredNorm();
@@ -129,12 +129,12 @@ Wide<Scalar> unit_normal(const Wide<Scalar>& cof_m, Scalar least_squared, const 
 /// The motion of one element in the current frame: the polynomial of its current positions, x = X + u (relative to the
 /// mesh's origin). Slopes are divided by the element's rest size, so that squares of areas stay far from the ends of
 /// float's range for bodies of any size.
-template <std::floating_point Scalar, ReferenceElement Element>
+template <std::floating_point Scalar, TetrahedralElement Element>
 struct ElementMotion;
 
 /// Tet4: everything about the normal but the product with it is done once an element.
-template <std::floating_point Scalar, ReferenceElement Element>
-  requires(Element::order == 1)
+template <std::floating_point Scalar, TetrahedralElement Element>
+  requires(Element::edge_nodes == 0)
 struct ElementMotion<Scalar, Element> {
   Wide<Scalar> at_zero;
   WideColumns<Scalar> slope;  // not divided: nothing but positions needs it
@@ -144,7 +144,7 @@ struct ElementMotion<Scalar, Element> {
   template <bool with_normals>
   void set(const CarrierElement<Scalar, Element>& carrier, const Vec3<Scalar>* u) {
     const auto displacement =
-        ElementField<Scalar, 1>::from_nodes([&](int a) -> const Vec3<Scalar>& { return u[carrier.nodes[at(a)]]; });
+        ElementField<Scalar, 0>::from_nodes([&](int a) -> const Vec3<Scalar>& { return u[carrier.nodes[at(a)]]; });
     const Mat3<Scalar> jacobian = carrier.rest.slope + displacement.slope;
     at_zero = widen<Scalar>(carrier.rest.at_zero + displacement.at_zero);
     slope = widen_columns<Scalar>(jacobian);
@@ -156,7 +156,7 @@ struct ElementMotion<Scalar, Element> {
   }
 
   template <bool with_normals>
-  void evaluate(const BoundVertex<Scalar, 1>& vertex, const CarrierElement<Scalar, Element>& carrier, Wide<Scalar>& x,
+  void evaluate(const BoundVertex<Scalar, 0>& vertex, const CarrierElement<Scalar, Element>& carrier, Wide<Scalar>& x,
                 Wide<Scalar>& n) const {
     x = at_zero + multiply(slope, vertex.where[0]);
     if constexpr (with_normals)
@@ -165,8 +165,8 @@ struct ElementMotion<Scalar, Element> {
 };
 
 /// Tet10: the Jacobian differs from vertex to vertex. Position and normal share it.
-template <std::floating_point Scalar, ReferenceElement Element>
-  requires(Element::order == 2)
+template <std::floating_point Scalar, TetrahedralElement Element>
+  requires(Element::edge_nodes == 1)
 struct ElementMotion<Scalar, Element> {
   Wide<Scalar> at_zero;
   WideColumns<Scalar> slope, curvature, twist;  // see ElementField
@@ -175,7 +175,7 @@ struct ElementMotion<Scalar, Element> {
   template <bool /*with_normals*/>
   void set(const CarrierElement<Scalar, Element>& carrier, const Vec3<Scalar>* u) {
     const auto displacement =
-        ElementField<Scalar, 2>::from_nodes([&](int a) -> const Vec3<Scalar>& { return u[carrier.nodes[at(a)]]; });
+        ElementField<Scalar, 1>::from_nodes([&](int a) -> const Vec3<Scalar>& { return u[carrier.nodes[at(a)]]; });
     size = carrier.size;
     at_zero = widen<Scalar>(carrier.rest.at_zero + displacement.at_zero);
     slope = widen_columns<Scalar>((carrier.rest.slope + displacement.slope) / size);
@@ -185,7 +185,7 @@ struct ElementMotion<Scalar, Element> {
 
   /// x(xi) + G(xi) step, where x(xi) = x(0) + (G(0) + G(xi)) xi / 2.
   template <bool with_normals>
-  void evaluate(const BoundVertex<Scalar, 2>& vertex, const CarrierElement<Scalar, Element>& carrier, Wide<Scalar>& x,
+  void evaluate(const BoundVertex<Scalar, 1>& vertex, const CarrierElement<Scalar, Element>& carrier, Wide<Scalar>& x,
                 Wide<Scalar>& n) const {
     const Vec3<Scalar>&xi = vertex.where[0], &m = vertex.normal;
     const WideColumns<Scalar> g{slope[0] + curvature[0] * xi[0] + twist[2] * xi[1] + twist[1] * xi[2],

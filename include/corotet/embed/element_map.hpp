@@ -13,11 +13,11 @@ namespace corotet::inline v0_1::detail {
 /// A vector field over an element, given by its node values, as a polynomial in the natural coordinates:
 /// f(xi) = f(0) + (G(0) + G(xi)) xi / 2 with the gradient G(xi) = df/dxi, which is linear in xi (constant for Tet4).
 /// All coefficients are differences of node values, so a common translation costs no precision.
-template <std::floating_point Scalar, int order>
+template <std::floating_point Scalar, int edge_nodes>
 struct ElementField;
 
 template <std::floating_point Scalar>
-struct ElementField<Scalar, 1> {
+struct ElementField<Scalar, 0> {
   Vec3<Scalar> at_zero;  ///< f(0)
   Mat3<Scalar> slope;    ///< G
 
@@ -35,7 +35,7 @@ struct ElementField<Scalar, 1> {
 };
 
 template <std::floating_point Scalar>
-struct ElementField<Scalar, 2> {
+struct ElementField<Scalar, 1> {
   Vec3<Scalar> at_zero;    ///< f(0)
   Mat3<Scalar> slope;      ///< G(0)
   Mat3<Scalar> curvature;  ///< d2f/dxi_j dxi_j in column j
@@ -70,24 +70,24 @@ struct ElementField<Scalar, 2> {
 };
 
 /// Node positions of one element in double, m.
-template <ReferenceElement Element>
+template <TetrahedralElement Element>
 using NodePositions = std::array<Vec3<double>, Element::nodes>;
 
 /// Contains the whole element, curved or not: the hull of its Bézier points (2 m - (a + b)/2 on an edge).
-template <ReferenceElement Element>
+template <TetrahedralElement Element>
 Box element_box(const NodePositions<Element>& x) {
   Box box;
   for (std::size_t c = 0; c < 4; ++c) box.add(x[c]);
-  if constexpr (Element::order == 2)
+  if constexpr (Element::edge_nodes == 1)
     for (std::size_t e = 0; e < 6; ++e) box.add(2 * x[4 + e] - (x[tet_edges[e].a] + x[tet_edges[e].b]) / 2);
   return box;
 }
 
 /// The farthest that a mid-edge node lies from the middle of its edge, m; 0 for Tet4.
-template <ReferenceElement Element>
+template <TetrahedralElement Element>
 double bow(const NodePositions<Element>& x) {
   double most = 0;
-  if constexpr (Element::order == 2)
+  if constexpr (Element::edge_nodes == 1)
     for (std::size_t e = 0; e < 6; ++e)
       most = (std::max)(most, (x[4 + e] - (x[tet_edges[e].a] + x[tet_edges[e].b]) / 2).norm());
   return most;
@@ -104,8 +104,8 @@ inline Vec3<double> natural(const SimplexPoint<4>& q) { return {q.barycentric[1]
 
 /// Walks from `start` to a nearest point of a curved element: each step takes the nearest point of the linearised
 /// element, a tetrahedron, and is halved until the distance shrinks (Gauss-Newton; Newton's method for a point inside).
-template <ReferenceElement Element>
-ElementPoint refine_closest(const ElementField<double, Element::order>& map, const Vec3<double>& p,
+template <TetrahedralElement Element>
+ElementPoint refine_closest(const ElementField<double, Element::edge_nodes>& map, const Vec3<double>& p,
                             const Vec3<double>& start, double tolerance) {
   constexpr int most_steps = 50, most_halvings = 30;
   constexpr double least_gain = 1e-9;  // of the squared distance
@@ -133,14 +133,14 @@ ElementPoint refine_closest(const ElementField<double, Element::order>& map, con
 
 /// The point of the element nearest to `p`: closed form where the sides are straight to `tolerance` (m), iterated where
 /// they are curved; with `thorough` from several starts unless the first one ends at `p` itself.
-template <ReferenceElement Element>
+template <TetrahedralElement Element>
 ElementPoint closest_on_element(const NodePositions<Element>& x, const Vec3<double>& p, double tolerance,
                                 bool thorough) {
   const SimplexPoint<4> straight = closest_on_tetrahedron({x[0], x[1], x[2], x[3]}, p);
   ElementPoint best{natural(straight), straight.squared_distance};
-  if constexpr (Element::order == 2) {
+  if constexpr (Element::edge_nodes == 1) {
     if (bow<Element>(x) <= tolerance) return best;
-    const auto map = ElementField<double, Element::order>::from_nodes([&](int a) { return x[at(a)]; });
+    const auto map = ElementField<double, Element::edge_nodes>::from_nodes([&](int a) { return x[at(a)]; });
     best = refine_closest<Element>(map, p, best.xi, tolerance);
     for (const QuadraturePoint& q : Element::stiffness_points) {
       if (!thorough || best.squared_distance <= tolerance * tolerance) break;

@@ -27,7 +27,7 @@ namespace corotet::inline v0_1 {
 ///
 /// Positions are written relative to the mesh's origin() (an engine puts that into its model matrix), so they keep
 /// float precision wherever the body is.
-template <std::floating_point Scalar, ReferenceElement Element = Tet4>
+template <std::floating_point Scalar, TetrahedralElement Element = Tet4>
 class EmbeddedSurface {
  public:
   using Mesh = TetMesh<Scalar, Element>;
@@ -110,7 +110,7 @@ class EmbeddedSurface {
   }
 
   using Carrier = detail::CarrierElement<Scalar, Element>;
-  using Vertex = detail::BoundVertex<Scalar, Element::order>;
+  using Vertex = detail::BoundVertex<Scalar, Element::edge_nodes>;
   using Motion = detail::ElementMotion<Scalar, Element>;
 
   std::vector<Vertex> vertices_;
@@ -125,7 +125,7 @@ class EmbeddedSurface {
 };
 
 // Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
-template <std::floating_point Scalar, ReferenceElement Element>
+template <std::floating_point Scalar, TetrahedralElement Element>
 Result<EmbeddedSurface<Scalar, Element>> EmbeddedSurface<Scalar, Element>::bind(
     const Mesh& mesh, std::span<const Vec3<double>> rest_positions, std::span<const Vec3<double>> rest_normals,
     ExecutorRef executor) {
@@ -166,7 +166,7 @@ Result<EmbeddedSurface<Scalar, Element>> EmbeddedSurface<Scalar, Element>::bind(
   return surface;
 }
 
-template <std::floating_point Scalar, ReferenceElement Element>
+template <std::floating_point Scalar, TetrahedralElement Element>
 Result<EmbeddedSurface<Scalar, Element>> EmbeddedSurface<Scalar, Element>::bind(const Mesh& mesh,
                                                                                 const SurfaceMesh& surface,
                                                                                 ExecutorRef executor) {
@@ -177,7 +177,7 @@ Result<EmbeddedSurface<Scalar, Element>> EmbeddedSurface<Scalar, Element>::bind(
   return bind(mesh, surface.positions, vertex_normals(surface), executor);
 }
 
-template <std::floating_point Scalar, ReferenceElement Element>
+template <std::floating_point Scalar, TetrahedralElement Element>
 void EmbeddedSurface<Scalar, Element>::update(std::span<const Vec3<Scalar>> u, const VertexBuffer& out,
                                               ExecutorRef executor) {
   COROTET_ASSERT(out.data != nullptr && out.count == vertex_count(), "the buffer needs one vertex per bound vertex");
@@ -199,14 +199,14 @@ void EmbeddedSurface<Scalar, Element>::update(std::span<const Vec3<Scalar>> u, c
     deform<true>(u, executor, nothing, normal);
 }
 
-template <std::floating_point Scalar, ReferenceElement Element>
+template <std::floating_point Scalar, TetrahedralElement Element>
 void EmbeddedSurface<Scalar, Element>::positions(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out) {
   COROTET_ASSERT(size_of(out) == vertex_count(), "out needs one entry per bound vertex");
   const auto write = [&](Index v, const detail::Wide<Scalar>& x) { out[at(v)] = x.template head<3>(); };
   deform<false>(u, {}, write, nothing);
 }
 
-template <std::floating_point Scalar, ReferenceElement Element>
+template <std::floating_point Scalar, TetrahedralElement Element>
 void EmbeddedSurface<Scalar, Element>::normals(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out) {
   COROTET_ASSERT(size_of(out) == vertex_count(), "out needs one entry per bound vertex");
   const auto write = [&](Index v, const detail::Wide<Scalar>& n) { out[at(v)] = n.template head<3>(); };

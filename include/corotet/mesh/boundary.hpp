@@ -152,7 +152,7 @@ inline int volume_sign(const std::vector<Vec3<double>>& x, const Index* nodes) {
 }
 
 /// The boundary of a checked mesh. Errors: invalid_argument where elements overlap at a face, as above.
-template <std::floating_point Scalar, ReferenceElement Element>
+template <std::floating_point Scalar, TetrahedralElement Element>
 [[nodiscard]] Result<BoundarySurface> extract_boundary(const TetMesh<Scalar, Element>& mesh) {
   return detail::extract_boundary(
       mesh.element_count(), Element::nodes, [&](Index e) { return mesh.element(e).data(); }, [](Index) { return 1; });

@@ -67,7 +67,7 @@ inline constexpr double small_dihedral = 30, large_dihedral = 120;
 inline constexpr double long_edge_ratio = 3;
 
 /// Volume and mean and least Jacobian of an element whose nodes lie at `x`.
-template <ReferenceElement Element>
+template <TetrahedralElement Element>
 void measure_jacobian(const std::array<Vec3<double>, Element::nodes>& x, double& volume, double& ratio) {
   double least = std::numeric_limits<double>::infinity();
   volume = 0;
@@ -86,7 +86,7 @@ void measure_jacobian(const std::array<Vec3<double>, Element::nodes>& x, double&
 }  // namespace detail
 
 /// Measures an element whose nodes lie at `x`, m. Coordinates must be finite, of magnitude 1e100 at most.
-template <ReferenceElement Element>
+template <TetrahedralElement Element>
 [[nodiscard]] ElementQuality measure_element(std::array<Vec3<double>, Element::nodes> x) {
   ElementQuality quality;
   double longest = 0, shortest = std::numeric_limits<double>::infinity();
@@ -97,7 +97,7 @@ template <ReferenceElement Element>
   }
   if (!(longest > 0)) {  // all corners in one point
     quality.edge_ratio = std::numeric_limits<double>::infinity();
-    quality.jacobian_ratio = Element::order > 1 ? 0 : 1;
+    quality.jacobian_ratio = has_constant_gradients<Element> ? 1 : 0;
     return quality;
   }
   quality.edge_ratio = longest / shortest;
@@ -141,7 +141,7 @@ template <ReferenceElement Element>
     quality.radius_ratio = 3 * six_volumes * six_volumes / (areas * circum);
 
   double scaled_volume = six_volumes / 6;
-  if constexpr (Element::order > 1) {
+  if constexpr (!has_constant_gradients<Element>) {
     if (sign < 0)  // an element turned round is as curved as before
       for (Vec3<double>& p : x) p[0] = -p[0];
     detail::measure_jacobian<Element>(x, scaled_volume, quality.jacobian_ratio);

@@ -84,7 +84,7 @@ inline MeshQuality summarise(std::vector<ElementQuality> elements) {
   return quality;
 }
 
-template <ReferenceElement Element, std::floating_point Scalar>
+template <TetrahedralElement Element, std::floating_point Scalar>
 ElementQuality measure_nodes(const std::vector<Vec3<Scalar>>& positions, const Index* nodes) {
   std::array<Vec3<double>, Element::nodes> x;
   for (std::size_t a = 0; a < x.size(); ++a) x[a] = positions[at(nodes[a])].template cast<double>();
@@ -109,7 +109,7 @@ ElementQuality measure_nodes(const std::vector<Vec3<Scalar>>& positions, const I
 }
 
 /// Measures a checked mesh at rest.
-template <std::floating_point Scalar, ReferenceElement Element>
+template <std::floating_point Scalar, TetrahedralElement Element>
 [[nodiscard]] MeshQuality measure_quality(const TetMesh<Scalar, Element>& mesh) {
   std::vector<ElementQuality> elements;
   elements.reserve(at(mesh.element_count()));

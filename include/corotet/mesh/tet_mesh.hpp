@@ -19,8 +19,8 @@
 namespace corotet::inline v0_1 {
 
 /// Rest positions and elements. Invariants, established by `create` and kept for life: every index is in range; no
-/// element names a vertex twice; every vertex belongs to an element; every element has positive volume (for Tet10:
-/// a positive Jacobian at each quadrature point); every number is finite.
+/// element names a vertex twice; every vertex belongs to an element; every element has a positive Jacobian at each
+/// quadrature point; every number is finite. Elements of a reader's own are carried as well: see ReferenceElement.
 template <std::floating_point Scalar, ReferenceElement Element = Tet4>
 class TetMesh {
  public:
@@ -106,9 +106,9 @@ Result<TetMesh<Scalar, Element>> TetMesh<Scalar, Element>::create(MeshData data,
   for (Index e = 0; e < mesh.element_count(); ++e) {
     Nodes& nodes = mesh.elements_[at(e)];
     std::copy_n(data.connectivity.begin() + std::ptrdiff_t{e} * Element::nodes, Element::nodes, nodes.begin());
-    const double volume = detail::corner_volume(data.positions, nodes.data());
+    const double volume = detail::signed_volume<Element>(data.positions, nodes);
     if (volume < 0) {
-      detail::turn_round(nodes);
+      detail::turn_round<Element>(nodes);
       ++mesh.flipped_elements_;
     }
     const auto epsilon = static_cast<double>(std::numeric_limits<Scalar>::epsilon());

@@ -11,6 +11,7 @@
 #include <corotet/element/jacobian.hpp>
 #include <corotet/element/reference_element.hpp>
 #include <corotet/mesh/mesh_data.hpp>
+#include <cstddef>
 #include <limits>
 #include <span>
 #include <string>
@@ -62,14 +63,25 @@ inline double corner_volume(const std::vector<Vec3<double>>& x, const Index* nod
   return (x[at(nodes[1])] - o).cross(x[at(nodes[2])] - o).dot(x[at(nodes[3])] - o) / 6;
 }
 
-/// Reverses the winding by exchanging corners 1 and 2, and with them the mid-edge nodes that they move.
-template <std::size_t N>
-void turn_round(std::array<Index, N>& nodes) {
-  std::swap(nodes[1], nodes[2]);
-  if constexpr (N == 10) {
-    std::swap(nodes[4], nodes[6]);  // edges 0-1 and 0-2
-    std::swap(nodes[8], nodes[9]);  // edges 1-3 and 2-3
+/// Signed volume of an element, m^3; of a tetrahedron, that of its corners.
+template <ReferenceElement Element>
+double signed_volume(const std::vector<Vec3<double>>& x, const std::array<Index, Element::nodes>& nodes) {
+  if constexpr (TetrahedralElement<Element>) {
+    return corner_volume(x, nodes.data());
+  } else {
+    double volume = 0;
+    for (std::size_t q = 0; q < Element::stiffness_points.size(); ++q)
+      volume += Element::stiffness_points[q].weight *
+                jacobian(natural_gradients<Element>[q], [&](std::size_t a) { return x[at(nodes[a])]; }).determinant();
+    return volume;
   }
+}
+
+/// Reverses the winding.
+template <ReferenceElement Element>
+void turn_round(std::array<Index, Element::nodes>& nodes) {
+  const std::array<Index, Element::nodes> before = nodes;
+  for (std::size_t a = 0; a < nodes.size(); ++a) nodes[a] = before[Element::mirrored[a]];
 }
 
 /// Positive Jacobian at each quadrature point, measured against rounding in positions of precision `epsilon`.
@@ -87,7 +99,7 @@ COROTET_COLD Result<void> check_volume(const std::vector<Vec3<double>>& x,
       const double size = (std::max)({to_space.col(0).norm(), to_space.col(1).norm(), to_space.col(2).norm()});
       const double rounding = 4 * epsilon * size * size * (std::max)(size, largest);
       if (!(det > rounding) || !std::isfinite(det)) {
-        if (Element::order > 1 && corner_volume(x, nodes.data()) * 6 > rounding)
+        if (!has_constant_gradients<Element> && signed_volume<Element>(x, nodes) * 6 > rounding)
           return error(ErrorCode::degenerate_element, {"element ", e},
                        {"its edges are curved so far that it folds over itself"});
         return error(ErrorCode::degenerate_element, {"element ", e},
@@ -97,7 +109,7 @@ COROTET_COLD Result<void> check_volume(const std::vector<Vec3<double>>& x,
     return {};
   };
   if (Result<void> status = check_points(Element::stiffness_points); !status) return status;
-  if constexpr (Element::order > 1) return check_points(Element::mass_points);
+  if constexpr (!has_constant_gradients<Element>) return check_points(Element::mass_points);
   return {};
 }
 

@@ -125,7 +125,7 @@ struct VtuCells {
   return vtu_cells(std::span<const std::array<Index, 3>>(surface.triangles));
 }
 
-template <std::floating_point Scalar, ReferenceElement Element>
+template <std::floating_point Scalar, TetrahedralElement Element>
 [[nodiscard]] VtuCells vtu_cells(const TetMesh<Scalar, Element>& mesh) {
   const auto& elements = mesh.elements();
   return {{elements.front().data(), elements.size() * Element::nodes}, Element::nodes};

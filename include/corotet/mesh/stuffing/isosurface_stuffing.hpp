@@ -11,6 +11,7 @@
 #include <concepts>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
+#include <corotet/element/tet4.hpp>
 #include <corotet/mesh/box_tree.hpp>
 #include <corotet/mesh/mesh_data.hpp>
 #include <corotet/mesh/stuffing/cut_points.hpp>
@@ -98,7 +99,7 @@ inline MeshData fill_lattice(const BccLattice& lattice, const CutLattice& cut) {
     for (std::size_t i = 0; i < 4; ++i) sign[i] = cut.sign[at(tet[i])];
     fill_tetrahedron(lattice, tet, sign, [&](const auto&... corners) {
       std::array<Index, 4> nodes{vertex(corners)...};
-      if (corner_volume(mesh.positions, nodes.data()) < 0) turn_round(nodes);
+      if (corner_volume(mesh.positions, nodes.data()) < 0) turn_round<Tet4>(nodes);
       mesh.connectivity.insert(mesh.connectivity.end(), nodes.begin(), nodes.end());
     });
   });

@@ -1,4 +1,4 @@
-// Corotational strain of a batch of elements.
+// Strain of a batch of elements, seen from their rotations.
 #pragma once
 
 #include <array>
@@ -33,6 +33,16 @@ template <std::floating_point Scalar>
     e[at(3 + i)] = Lanes<Scalar>(Scalar(0.5)) * (product(j, k) + product(k, j));
   }
   return e;
+}
+
+/// R^T F - I, of which corotational_strain is the symmetric part.
+template <std::floating_point Scalar>
+void rotated_gradient(const Mat3Lanes<Scalar>& f, const Mat3Lanes<Scalar>& r, Mat3Lanes<Scalar>& h) {
+  Mat3Lanes<Scalar> d;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) d(i, j) = f(i, j) - r(i, j);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) h(i, j) = r(0, i) * d(0, j) + r(1, i) * d(1, j) + r(2, i) * d(2, j);
 }
 
 }  // namespace corotet::inline v0_1
