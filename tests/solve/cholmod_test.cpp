@@ -34,6 +34,20 @@ TYPED_TEST(Cholmod, StepsAsTheBuiltInFactorisationDoes) {
   EXPECT_GT(flat(body.displacements()).norm(), 0.1);
 }
 
+TYPED_TEST(Cholmod, ACopyStepsAsTheOriginal) {
+  auto body = testing::must(SoftBody<TypeParam>::create(
+      testing::block<TypeParam, Tet4>({.size = {1, 0.2, 0.2}, .cells = {6, 2, 2}}), Material{.young = 5e5}));
+  body.pin_where([](const Vec3<TypeParam>& x) { return x.x() == 0; });
+  body.set_gravity({0, 0, TypeParam(-9.81)});
+  ImplicitEuler<SoftBody<TypeParam>, CholmodSolver<TypeParam>> cholmod(body);
+  ASSERT_TRUE(cholmod.step(body, TypeParam(1.0 / 60)).accepted());
+  auto copy = cholmod;
+  auto other = body;
+  ASSERT_TRUE(cholmod.step(body, TypeParam(1.0 / 60)).accepted());
+  ASSERT_TRUE(copy.step(other, TypeParam(1.0 / 60)).accepted());
+  EXPECT_EQ(flat(body.displacements()), flat(other.displacements()));
+}
+
 TYPED_TEST(Cholmod, ReportsAMatrixThatIsNotPositiveDefinite) {
   const auto mesh = testing::block<TypeParam, Tet4>({});
   BlockMatrix<TypeParam> a(

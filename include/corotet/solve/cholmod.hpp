@@ -35,6 +35,21 @@ class CholmodSolver {
 
   CholmodSolver() = default;
   explicit CholmodSolver(const Options& options) : options_(options) {}
+  /// Shares nothing: CHOLMOD's factors cannot be copied, and the copy does the symbolic work again.
+  CholmodSolver(const CholmodSolver& other)
+      : options_(other.options_),
+        matrix_(other.matrix_),
+        right_side_(other.right_side_),
+        refinement_(other.refinement_) {
+    if (matrix_.rows() > 0) cholmod_->analyzePattern(matrix_);
+  }
+  CholmodSolver(CholmodSolver&&) noexcept = default;
+  CholmodSolver& operator=(const CholmodSolver& other) {
+    if (this != &other) *this = CholmodSolver(other);
+    return *this;
+  }
+  CholmodSolver& operator=(CholmodSolver&&) noexcept = default;
+  ~CholmodSolver() = default;
 
   /// Ordering and symbolic factorisation.
   void analyze(const std::shared_ptr<const BlockPattern>& shared_pattern, const Field<Scalar>& /*rest*/) {
