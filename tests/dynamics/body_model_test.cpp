@@ -3,9 +3,11 @@
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <vector>
 
 #include "support/bodies.hpp"
+#include "support/count_allocations.hpp"
 #include "support/solver_choice.hpp"
 
 namespace corotet::body_model_test {
@@ -41,6 +43,26 @@ TYPED_TEST(ModelledBody, IsSharedByCopies) {
   EXPECT_EQ(this->bar().model()->fingerprint(), body.model()->fingerprint()) << "of the same in another program, too";
 }
 
+/// What is told of memory is what is asked for: of a copy, what it owns.
+TYPED_TEST(ModelledBody, TellsItsMemory) {
+  using Scalar = typename TypeParam::Scalar;
+  const auto body = this->bar();
+  const Bdf2 integrator(body, testing::solver());
+  const auto near_to = [](std::size_t told, std::size_t asked) {
+    return double(told) > 0.95 * double(asked) - 1000 && double(told) < 1.05 * double(asked) + 1000;
+  };
+  const long before = testing::allocated_bytes;
+  const auto copy = std::make_unique<typename TestFixture::Body>(body);
+  const std::size_t body_bytes = std::size_t(testing::allocated_bytes - before);
+  EXPECT_TRUE(near_to(body.memory().owned, body_bytes)) << body.memory().owned << " of " << body_bytes;
+  const long middle = testing::allocated_bytes;
+  const auto second = std::make_unique<Bdf2<typename TestFixture::Body>>(integrator);
+  const std::size_t bytes = std::size_t(testing::allocated_bytes - middle);
+  EXPECT_TRUE(near_to(integrator.memory().owned, bytes)) << integrator.memory().owned << " of " << bytes;
+  EXPECT_LT(body.memory().owned, std::size_t(60 + 4 * 3 * sizeof(Scalar)) * std::size_t(body.vertex_count()));
+  EXPECT_GT(body.memory().shared, body.memory().owned);
+}
+
 /// A body made of a shared model is that model's body at rest.
 TYPED_TEST(ModelledBody, MakesBodies) {
   using Scalar = typename TypeParam::Scalar;
@@ -61,10 +83,11 @@ TYPED_TEST(ModelledBody, MakesBodies) {
 TYPED_TEST(ModelledBody, RefusesCouplingsThatMeanNothing) {
   const auto mesh = this->bar().mesh();
   const Material material;
-  using Body = typename TestFixture::Body;
-  EXPECT_FALSE(Body::create(mesh, material, {.couplings = {.start = {0, 2}, .vertex = {0, mesh.vertex_count()}}}).ok());
-  EXPECT_FALSE(Body::create(mesh, material, {.couplings = {.start = {0, 3}, .vertex = {0, 1}}}).ok());
-  EXPECT_TRUE(Body::create(mesh, material, {.couplings = {.start = {0, 2}, .vertex = {0, 1}}}).ok());
+  using Created = typename TestFixture::Body;
+  EXPECT_FALSE(
+      Created::create(mesh, material, {.couplings = {.start = {0, 2}, .vertex = {0, mesh.vertex_count()}}}).ok());
+  EXPECT_FALSE(Created::create(mesh, material, {.couplings = {.start = {0, 3}, .vertex = {0, 1}}}).ok());
+  EXPECT_TRUE(Created::create(mesh, material, {.couplings = {.start = {0, 2}, .vertex = {0, 1}}}).ok());
 }
 
 /// A body that flies far away loses digits in float, and gets them back; what it does is not disturbed.

@@ -132,6 +132,8 @@ class CorotatedElasticity {
     return block;
   }
 
+  [[nodiscard]] std::size_t bytes() const { return bytes_of(batches_) + mean_.bytes(); }
+
   /// Batches that one task works on.
   static constexpr Index batch_grain = 16;
 

@@ -8,6 +8,7 @@
 #include <corotet/core/buffer.hpp>
 #include <corotet/core/compiler.hpp>
 #include <corotet/core/lanes.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/element_batch.hpp>
@@ -123,6 +124,11 @@ class ElasticEvaluation {
   /// The elastic force on one vertex, N: the force that the body exerts on it.
   [[nodiscard]] Vec3<Scalar> vertex_force(const BlockPattern& pattern, Index vertex) const {
     return detail::sum_of_nodes(pattern, force_, vertex);
+  }
+
+  [[nodiscard]] std::size_t bytes() const {
+    return bytes_of(extremes) + twist.bytes() + bytes_of(force_) + bytes_of(volumetric_stress_) + bytes_of(gradient_) +
+           bytes_of(mean_gradient_) + bytes_of(frame_);
   }
 
  private:

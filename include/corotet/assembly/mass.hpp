@@ -6,6 +6,7 @@
 #include <corotet/assembly/block_pattern.hpp>
 #include <corotet/core/buffer.hpp>
 #include <corotet/core/compiler.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/jacobian.hpp>
 #include <corotet/element/reference_element.hpp>

@@ -9,6 +9,7 @@
 #include <corotet/assembly/elastic_evaluation.hpp>
 #include <corotet/core/buffer.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/ordered_sum.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/element_batch.hpp>
@@ -154,6 +155,11 @@ class MeanDilatation {
   [[nodiscard]] std::size_t gradient_count(Index elements) const {
     if (!on_) return 0;
     return over_patches ? patches_.vertices.vertex.size() : at(elements) * Element::nodes;
+  }
+
+  [[nodiscard]] std::size_t bytes() const {
+    return bytes_of(ratio_) + bytes_of(weight_) + bytes_of(local_) + bytes_of(patches_.start) +
+           bytes_of(patches_.element) + bytes_of(patches_.vertices.start) + bytes_of(patches_.vertices.vertex);
   }
 
  private:

@@ -127,6 +127,8 @@ class PointwiseElasticity {
     return block;
   }
 
+  [[nodiscard]] std::size_t bytes() const { return bytes_of(batches_) + bytes_of(constants_) + bytes_of(inverse_mu_); }
+
   /// Batches that one task works on.
   static constexpr Index batch_grain = 16;
 

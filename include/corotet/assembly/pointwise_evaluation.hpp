@@ -9,6 +9,7 @@
 #include <corotet/assembly/twist_modes.hpp>
 #include <corotet/core/buffer.hpp>
 #include <corotet/core/compiler.hpp>
+#include <corotet/core/memory_use.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/element/reference_element.hpp>
@@ -91,6 +92,10 @@ class PointwiseEvaluation : private PointStates<Scalar, Model> {
   /// The elastic force on one vertex, N: the force that the body exerts on it.
   [[nodiscard]] Vec3<Scalar> vertex_force(const BlockPattern& pattern, Index vertex) const {
     return detail::sum_of_nodes(pattern, force_, vertex);
+  }
+
+  [[nodiscard]] std::size_t bytes() const {
+    return bytes_of(extremes) + trial().size() * sizeof(typename States::State) + bytes_of(force_) + bytes_of(block_);
   }
 
  private:

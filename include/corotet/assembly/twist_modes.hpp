@@ -97,6 +97,8 @@ class TwistModes {
     return m;
   }
 
+  [[nodiscard]] std::size_t bytes() const { return bytes_of(active_) + bytes_of(value_); }
+
  private:
   using L = Lanes<Scalar>;
 

@@ -34,18 +34,18 @@ class EnergyBound {
         vertices_(body.vertex_count()) {}
 
   /// W at a displacement, J.
-  [[nodiscard]] double elastic(const Body& body, const Field<Scalar>& displacement) {
-    return body.law().energy(displacement, scratch_);
+  [[nodiscard]] double elastic(const Body& body, const Field<Scalar>& displacement, ExecutorRef executor) {
+    return body.elastic_energy(displacement, scratch_, executor);
   }
 
   /// Before a step. `evaluated`: what the equation has evaluated last is the body's present displacement. `terms`: the
   /// energy of its terms there, J.
-  void begin(const Body& body, const Equation& equation, bool evaluated, double terms) {
+  void begin(const Body& body, const Equation& equation, bool evaluated, double terms, ExecutorRef executor) {
     terms_ = terms;
     if (revision_ == body.revision())
       elastic_ = elastic_after_;
     else
-      elastic_ = evaluated ? equation.worst().energy : elastic(body, body.displacements());
+      elastic_ = evaluated ? equation.worst().energy : elastic(body, body.displacements(), executor);
   }
 
   /// After the solve, from `velocity_before` and the body's displacement to these. Kinetic energy is as seen from the

@@ -87,15 +87,18 @@ class LinearizedStep {
   /// Evaluates the elastic force at the body's displacement, unless that is what was evaluated last.
   void evaluate(const Body& body, ExecutorRef executor) {
     if (revision_ == body.revision()) return;
-    body.law().evaluate(body.displacements(), evaluation_, executor);
+    body.evaluate(body.displacements(), evaluation_, executor);
     revision_ = body.revision();
   }
 
   /// Evaluates the elastic force at another displacement.
   void evaluate(const Body& body, const Field<Scalar>& displacement, ExecutorRef executor) {
     revision_ = {};
-    body.law().evaluate(displacement, evaluation_, executor);
+    body.evaluate(displacement, evaluation_, executor);
   }
+
+  /// After an accepted step, whose last evaluation was of the body's displacement: see SoftBody::commit.
+  void commit(Body& body) const { body.commit(evaluation_); }
 
   /// The displacement that was evaluated last is the body's now.
   void mark_evaluated(const Body& body) { revision_ = body.revision(); }

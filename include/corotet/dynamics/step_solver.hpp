@@ -68,6 +68,7 @@ class StepSolver {
       equation_.terms().begin_step(
           equation_.state(body, step, body.displacements(), body.velocities(), context.executor));
     const StepReport report = advance_bounded(body, step, context);
+    if (report.accepted()) equation_.commit(body);
     if (!context.terms.empty() && report.accepted()) {
       equation_.terms().set_frame({});
       equation_.terms().end_step(
@@ -170,7 +171,8 @@ class StepSolver {
     equation_.prepare(body, step.gamma);
     problem.predict();  // where the force is linearised first
     if (bounded)
-      energy_bound_.begin(body, equation_, step.is_first_order(), problem.energy_of_terms(body.displacements()));
+      energy_bound_.begin(body, equation_, step.is_first_order(), problem.energy_of_terms(body.displacements()),
+                          executor);
 
     // A dv = M (v_history - v) + gamma (f_ext + f_el(x) - D v), v += dv, x = x_history + gamma v, once or until
     // converged.
@@ -320,7 +322,7 @@ class StepSolver {
     }
 
     [[nodiscard]] double energy_at(const Field<Scalar>& displacement) {
-      return s.energy_bound_.elastic(body, displacement) + energy_of_terms(displacement);
+      return s.energy_bound_.elastic(body, displacement, context.executor) + energy_of_terms(displacement);
     }
     [[nodiscard]] double energy_of_terms(const Field<Scalar>& displacement) {
       if (!s.equation_.terms().has_given()) return 0;
