@@ -7,6 +7,7 @@
 //   in SpMV     the same, in products of the body's 3x3-block float matrix with a vector, timed in the same run
 //   tip error   of the drop at rest, in double, solver tolerance 1e-8, against the converged 3D solution: space alone
 //   algebra     largest difference of the float tip's path to one in double with tolerance 1e-10, of the length
+#include <corotet/dynamics/implicit_euler.hpp>
 #include <corotet/rotation/per_element.hpp>
 #include <cstdio>
 #include <ctime>
@@ -99,7 +100,8 @@ bool row(const char* name, std::array<Index, 3> cells, BlockSplit split = BlockS
   for (std::size_t i = 0; i < steps; ++i) algebra = std::max(algebra, (fast.tip[i] - exact.tip[i]).norm());
 
   const Index tip = beam::hang(*precise);
-  if (!solve_static(*precise, {.tolerance = 1e-8}).converged) return std::fprintf(stderr, "%s does not come to rest\n", name), false;
+  if (!solve_static(*precise, {.tolerance = 1e-8}).converged)
+    return std::fprintf(stderr, "%s does not come to rest\n", name), false;
   const double drop = -precise->displacements()[at(tip)].z();
   std::printf("| %-34s | %6d | %6d | %8.3f | %5.0f | %s | %+6.1f %% | %.3f %% |\n", name, single->vertex_count(),
               single->mesh().element_count(), fast.step_ms, fast.step_ms / fast.spmv_ms,
