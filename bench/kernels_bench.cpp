@@ -259,9 +259,9 @@ void add_rows(const std::string& element, const std::vector<Index>& all_cells) {
   });
   add("rigid_aggregates", [](State& state, B& b) { apply(state, b, b.rigid, b.rigid_work()); });
   const auto warped = [](State& state, B& b) {
-    WarpedCholesky<float> warped;
-    warped.analyze(b.body.pattern(), b.body.mesh().positions(), b.symbolic);
-    apply(state, b, warped, b.warped_work());
+    WarpedCholesky<float> preconditioner;
+    preconditioner.analyze(b.body.pattern(), b.body.mesh().positions(), b.symbolic);
+    apply(state, b, preconditioner, b.warped_work());
   };
   add("warped_cholesky", warped, 20);  // the factors of larger beams are too large
   add("initial_guess", [](State& state, B& b) {
