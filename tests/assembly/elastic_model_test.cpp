@@ -1,6 +1,7 @@
 // The laws of ElasticModel: stress from energy, tangent from stress, frames, semi-definite parts, states.
 #include <corotet/assembly/elasticity.hpp>
 #include <corotet/core/eigen.hpp>
+#include <corotet/core/state_archive.hpp>
 #include <corotet/dynamics/soft_body.hpp>
 #include <corotet/material/corotated.hpp>
 #include <corotet/material/principal_tangent.hpp>
@@ -14,7 +15,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -22,6 +25,7 @@
 #include "support/bodies.hpp"
 #include "support/elastic_rig.hpp"
 #include "support/matrices.hpp"
+#include "support/softening_model.hpp"
 
 namespace corotet::elastic_model_test {
 namespace {
@@ -30,6 +34,7 @@ using testing::must;
 using testing::Random;
 using testing::Rig;
 using testing::rubber;
+using testing::Softening;
 
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 using Vector9 = Eigen::Matrix<double, 9, 1>;
@@ -350,65 +355,6 @@ TEST(PointwiseElasticity, TheMatrixIsTheSumOverElements) {
   for (Index s = 0; s < rig.pattern->blocks(); ++s) EXPECT_LT(double(std::as_const(k).block(s).norm()), 1e-5 * largest);
 }
 
-/// A material that remembers: it loses stiffness where its energy density has been high. With the density psi of
-/// Corotated and kappa, the largest psi so far, its stiffness is the share share(kappa) of that of Corotated. From a
-/// committed kappa the energy is the integral of the share over psi, so that the stress is its derivative.
-struct Softening {
-  using Elastic = Corotated<Polar>;
-  using Rotation = Polar;
-  static constexpr std::string_view name = "softening";
-  static constexpr bool is_conservative = true;
-
-  template <std::floating_point Scalar>
-  struct State {
-    Lanes<Scalar> kappa = Lanes<Scalar>(0);  // J/m^3
-  };
-  template <std::floating_point Scalar>
-  struct Constants : Elastic::Constants<Scalar> {};
-
-  static constexpr double half_way = 400;  // J/m^3: kappa at which a quarter of the stiffness is left
-
-  template <std::floating_point Scalar>
-  [[nodiscard]] static Lanes<Scalar> share(const Lanes<Scalar>& kappa) {
-    const Lanes<Scalar> root = Lanes<Scalar>(Scalar(half_way)) / (kappa + Lanes<Scalar>(Scalar(half_way)));
-    return root * root;
-  }
-  template <std::floating_point Scalar>
-  [[nodiscard]] static Lanes<Scalar> energy(const Constants<Scalar>& constants,
-                                            const DeformationLanes<Scalar>& deformation,
-                                            const State<Scalar>& committed) {
-    using L = Lanes<Scalar>;
-    const L psi = Elastic::energy(constants, deformation, NoState{}), half = Scalar(half_way), before = committed.kappa;
-    const L beyond = half * half * (L(1) / (before + half) - L(1) / (psi + half));
-    return select(psi > before, share(before) * before + beyond, share(before) * psi);
-  }
-  template <std::floating_point Scalar>
-  static void stress(const Constants<Scalar>& constants, const DeformationLanes<Scalar>& deformation,
-                     const State<Scalar>& committed, State<Scalar>& trial, Mat3Lanes<Scalar>& p) {
-    NoState none;
-    Elastic::stress(constants, deformation, none, none, p);
-    trial.kappa = lane_max(committed.kappa, Elastic::energy(constants, deformation, none));
-    for (auto& row : p.entry)
-      for (Lanes<Scalar>& entry : row) entry = share(trial.kappa) * entry;
-  }
-  template <std::floating_point Scalar>
-  static void tangent(const Constants<Scalar>& constants, const DeformationLanes<Scalar>& deformation,
-                      const State<Scalar>& committed, bool semi_definite, TangentLanes<Scalar>& c) {
-    using L = Lanes<Scalar>;
-    NoState none;
-    Elastic::tangent(constants, deformation, none, semi_definite, c);
-    const L psi = Elastic::energy(constants, deformation, none), kappa = lane_max(committed.kappa, psi);
-    for (std::size_t j = 0; j < 3; ++j)
-      for (std::size_t l = j; l < 3; ++l)
-        for (auto& row : c.block(j, l).entry)
-          for (L& entry : row) entry = share(kappa) * entry;
-    if (semi_definite) return;
-    Mat3Lanes<Scalar> p;
-    Elastic::stress(constants, deformation, none, none, p);
-    const L slope = L(-2) * share(kappa) / (kappa + L(Scalar(half_way)));
-    c.add_outer(select(psi > committed.kappa, slope, L(0)), p);
-  }
-};
 static_assert(ElasticModel<Softening> && has_state<Softening>);
 
 // A model without state costs no byte, in an evaluation and in a body.
@@ -416,8 +362,8 @@ static_assert(std::is_empty_v<PointStates<float, Corotated<Polar>>> &&
               std::is_empty_v<PointStates<double, StableNeoHookean>>);
 static_assert(sizeof(PointwiseEvaluation<float, Tet4, Softening>) ==
               sizeof(PointwiseEvaluation<float, Tet4, StableNeoHookean>) + sizeof(PointStates<float, Softening>));
-static_assert(sizeof(SoftBody<float, Tet4, Softening>) - sizeof(Elasticity<float, Tet4, Softening>) ==
-              sizeof(SoftBody<float, Tet4>) - sizeof(Elasticity<float, Tet4>) + sizeof(PointStates<float, Softening>));
+static_assert(sizeof(SoftBody<float, Tet4, Softening>) ==
+              sizeof(SoftBody<float, Tet4>) + sizeof(PointStates<float, Softening>));
 
 template <class Body>
 Field<double> forces(const Body& body, const typename Body::Law::Evaluation& state) {
@@ -479,6 +425,35 @@ TYPED_TEST(StatefulBody, RemembersWhatIsCommittedAndNothingElse) {
   EXPECT_EQ(flat(force_at(1.05)), flat(fresh));
   copy.evaluate(stretched(1.05), state, serial);
   EXPECT_EQ(flat(forces(copy, state)), flat(soft)) << "a copy has states of its own";
+}
+
+/// The states are part of what a snapshot holds, and of what a reset sets back.
+TYPED_TEST(StatefulBody, SnapshotsHoldThePointStates) {
+  auto body = softening_body<TypeParam>();
+  typename decltype(body)::Law::Evaluation state(body.law());
+  SerialExecutor serial;
+  const Field<double> u = testing::random_field<double>(body.vertex_count(), 0.05, 1);
+  const auto energy = [&] {
+    std::vector<double> scratch;
+    return body.elastic_energy(u, scratch, serial);
+  };
+  const double fresh = energy();
+  body.evaluate(u, state, serial);
+  body.commit(state);
+  const double softened = energy();
+  EXPECT_LT(softened, fresh);
+
+  detail::StateArchive measure;
+  body.visit_state(measure);
+  std::vector<std::byte> bytes(measure.size());
+  detail::StateArchive write{std::span<std::byte>(bytes)};
+  body.visit_state(write);
+  body.reset();
+  EXPECT_EQ(energy(), fresh);
+  detail::StateArchive read(std::span<const std::byte>(bytes), detail::StateArchive::Mode::read);
+  body.visit_state(read);
+  EXPECT_TRUE(write.ok() && read.ok());
+  EXPECT_EQ(energy(), softened);
 }
 
 /// Force from energy and matrix from force at a committed state, where points load and unload.

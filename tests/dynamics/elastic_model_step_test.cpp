@@ -15,6 +15,7 @@
 
 #include "support/bodies.hpp"
 #include "support/random.hpp"
+#include "support/softening_model.hpp"
 #include "support/solver_choice.hpp"
 
 namespace corotet::elastic_model_step_test {
@@ -176,6 +177,49 @@ TEST(NeoHookeanSteps, FreeBodiesKeepTheirSpin) {
   ImplicitEuler euler(body, testing::solver({.tolerance = 1e-5}));
   for (int step = 0; step < 300; ++step) ASSERT_TRUE(euler.step(body, 1.0 / 60).accepted());
   EXPECT_NEAR(testing::angular_momentum(body).z() / start, 1, 1e-10);
+}
+
+/// A body that softens is pulled and let go. After each accepted step its states are the trial states of where it is,
+/// from those before, however many evaluations the step took; a refused step changes none.
+template <class Scalar, class Element>
+void expect_states_of_accepted_steps(const NewtonOptions& newton) {
+  using Body = SoftBody<Scalar, Element, testing::Softening>;
+  auto body = must(Body::create(testing::block<Scalar, Element>({.size = {1, 0.25, 0.25}, .cells = {4, 1, 1}}),
+                                Material{.young = 3e4, .poisson = 0.3, .density = 900}));
+  body.pin_where([](const Vec3<Scalar>& x) { return x.x() < Scalar(1e-6) || x.x() > Scalar(1 - 1e-6); });
+  ImplicitEuler euler(body, testing::solver(), newton);
+  typename Body::Law::Evaluation evaluation(body.law());
+  const auto numbers = [](const typename Body::States& states) {
+    std::vector<Scalar> kappa;
+    for (std::size_t k = 0; k < states.size(); ++k) {
+      const auto lanes = states.get(k % Body::Law::points, Index(k / Body::Law::points)).kappa.values();
+      kappa.insert(kappa.end(), lanes.begin(), lanes.end());
+    }
+    return kappa;
+  };
+  const std::vector<Scalar> at_rest = numbers(body.point_states());
+  for (int step = 1; step <= 40; ++step) {
+    const double stretch = 0.15 * (step <= 20 ? step : 40 - step) / 20;
+    for (Index v = 0; v < body.vertex_count(); ++v)
+      if (body.pins().is_pinned(v)) {
+        const Vec3<Scalar>& x = body.mesh().position(v);
+        body.move_pin(v, x + Vec3<Scalar>(x.x() * Scalar(stretch), 0, 0));
+      }
+    const typename Body::States before = body.point_states();
+    ASSERT_FALSE(euler.step(body, Scalar(-1)).accepted());
+    ASSERT_EQ(numbers(body.point_states()), numbers(before));
+    ASSERT_TRUE(euler.step(body, Scalar(1.0 / 60)).accepted());
+    body.law().evaluate(body.displacements(), before, evaluation, ExecutorRef());
+    ASSERT_EQ(numbers(body.point_states()), numbers(evaluation.trial())) << "step " << step;
+  }
+  EXPECT_NE(numbers(body.point_states()), at_rest);
+}
+
+TEST(StatefulSteps, CommitTheStatesOfAcceptedStepsAlone) {
+  for (const NewtonOptions& newton : {NewtonOptions{}, NewtonOptions{.iterations = 20, .tangent = Tangent::exact}}) {
+    expect_states_of_accepted_steps<double, Tet4>(newton);
+    expect_states_of_accepted_steps<float, Tet10>(newton);
+  }
 }
 
 }  // namespace
