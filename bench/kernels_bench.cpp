@@ -9,6 +9,7 @@
 #include <array>
 #include <chrono>
 #include <corotet/assembly/assemble.hpp>
+#include <corotet/core/thread_pool.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <corotet/dynamics/soft_body.hpp>
 #include <corotet/dynamics/step_bodies.hpp>
@@ -29,7 +30,6 @@
 #include <vector>
 
 #include "plain_product.hpp"
-#include "thread_pool.hpp"
 
 namespace corotet {
 namespace {
@@ -306,7 +306,7 @@ void step_many(benchmark::State& state) {
     integrators.emplace_back(bodies.back(), SolverOptions{.tolerance = 1.5e-3});
   }
   std::vector<StepReport> reports(bodies.size());
-  program::ThreadPool pool(static_cast<int>(state.range(0)));
+  ThreadPool pool(static_cast<int>(state.range(0)));
   double iterations = 0, steps = 0;
   const auto step = [&] {
     step_bodies(std::span(integrators), std::span(bodies), time_step, std::span(reports), pool);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <corotet/core/result.hpp>
+#include <corotet/core/thread_pool.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/static_report.hpp>
 #include <corotet/dynamics/step_report.hpp>
@@ -14,7 +15,6 @@
 
 #include "phase_clock.hpp"
 #include "scene.hpp"
-#include "thread_pool.hpp"
 
 namespace corotet::program {
 

@@ -4,6 +4,7 @@
 #include <corotet/assembly/assemble.hpp>
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/executor.hpp>
+#include <corotet/core/thread_pool.hpp>
 #include <corotet/dynamics/adaptive_step.hpp>
 #include <corotet/dynamics/bdf2.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
@@ -104,8 +105,7 @@ class TypedSimulation final : public Simulation {
   }
 
   Result<BindingFacts> bind(const SurfaceMesh& surface, ThreadPool& pool) override {
-    const auto executor = [&pool](Index count, auto&& task) { pool(count, task); };
-    auto bound = EmbeddedSurface<Scalar, Element>::bind(body_.mesh(), surface, executor);
+    auto bound = EmbeddedSurface<Scalar, Element>::bind(body_.mesh(), surface, pool);
     if (!bound) return bound.error();
     surface_ = std::move(bound).value();
     return BindingFacts{surface_->outside_count(), surface_->largest_distance()};

@@ -1,5 +1,5 @@
-// Everything that needs no other library. Opt-in headers (core/eigen.hpp, core/tbb_executor.hpp, solve/cholmod.hpp) are
-// included by name.
+// Everything that needs no other library. Opt-in headers (core/eigen.hpp, core/tbb_executor.hpp, core/thread_pool.hpp,
+// solve/cholmod.hpp) are included by name.
 #pragma once
 
 #include <corotet/core/macros_off.hpp>
@@ -47,6 +47,7 @@
 #include <corotet/assembly/dilatation_patches.hpp>
 #include <corotet/assembly/elastic_evaluation.hpp>
 #include <corotet/assembly/elasticity.hpp>
+#include <corotet/assembly/element_measures.hpp>
 #include <corotet/assembly/element_rotations.hpp>
 #include <corotet/assembly/mass.hpp>
 #include <corotet/assembly/mean_dilatation.hpp>
@@ -91,6 +92,7 @@
 #include <corotet/dynamics/integrator.hpp>
 #include <corotet/dynamics/line_search.hpp>
 #include <corotet/dynamics/linearized_step.hpp>
+#include <corotet/dynamics/measures.hpp>
 #include <corotet/dynamics/newton.hpp>
 #include <corotet/dynamics/newton_options.hpp>
 #include <corotet/dynamics/pieces.hpp>
@@ -116,9 +118,13 @@
 #include <corotet/element/tet10.hpp>
 #include <corotet/element/tet4.hpp>
 #include <corotet/embed/bind.hpp>
+#include <corotet/embed/body_point.hpp>
+#include <corotet/embed/coordinates.hpp>
 #include <corotet/embed/deform.hpp>
 #include <corotet/embed/element_map.hpp>
 #include <corotet/embed/embedded_surface.hpp>
+#include <corotet/embed/point_locator.hpp>
+#include <corotet/embed/point_on_body.hpp>
 #include <corotet/embed/vertex_buffer.hpp>
 #include <corotet/material/corotated.hpp>
 #include <corotet/material/elastic_model.hpp>
@@ -133,6 +139,7 @@
 #include <corotet/mesh/box_tree.hpp>
 #include <corotet/mesh/check_connectivity.hpp>
 #include <corotet/mesh/closest_point.hpp>
+#include <corotet/mesh/coinciding.hpp>
 #include <corotet/mesh/creases.hpp>
 #include <corotet/mesh/element_lines.hpp>
 #include <corotet/mesh/element_quality.hpp>

@@ -1,6 +1,7 @@
 // A case that is run again and again with other settings, and what is kept of each run.
 #pragma once
 
+#include <corotet/core/thread_pool.hpp>
 #include <corotet/core/types.hpp>
 #include <functional>
 #include <string>
@@ -9,7 +10,6 @@
 #include "../run_input.hpp"
 #include "../scene.hpp"
 #include "../simulation.hpp"
-#include "../thread_pool.hpp"
 #include "configuration.hpp"
 #include "mesh_family.hpp"
 

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <corotet/core/thread_pool.hpp>
 #include <exception>
 #include <mutex>
 #include <utility>
 
 #include "../failure.hpp"
 #include "../progress.hpp"
-#include "../thread_pool.hpp"
 
 namespace corotet::program::stress {
 namespace {

@@ -11,8 +11,7 @@ namespace {
 
 /// Runs tasks in the opposite order: the next best thing to a scheduler that does as it likes.
 struct BackwardExecutor {
-  template <class Task>
-  void operator()(Index count, Task&& task) const {
+  void operator()(Index count, TaskRef task) const {
     for (Index i = count - 1; i >= 0; --i) task(i);
   }
 };

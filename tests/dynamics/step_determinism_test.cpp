@@ -1,9 +1,13 @@
 // A step allocates nothing, and gives the same bits twice and on any number of threads. Built with optimisation for
 // this machine's processor (tests/CMakeLists.txt): a compiler that contracts a * b + c can make two different loops of
 // one.
+#include <corotet/core/thread_pool.hpp>
 #include <corotet/dynamics/bdf2.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
+#include <corotet/dynamics/measures.hpp>
 #include <corotet/dynamics/step_bodies.hpp>
+#include <corotet/embed/point_locator.hpp>
+#include <corotet/embed/point_on_body.hpp>
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -14,7 +18,6 @@
 #include <thread>
 #include <vector>
 
-#include "../src/thread_pool.hpp"
 #include "support/bodies.hpp"
 #include "support/count_allocations.hpp"
 
@@ -45,7 +48,7 @@ bool same_bits(const State& a, const State& b) {
 }
 
 /// Returns when each thread of the pool has begun to work: a thread may allocate when it starts.
-void start_threads(program::ThreadPool& pool, int threads) {
+void start_threads(ThreadPool& pool, int threads) {
   std::atomic<int> there = 0;
   pool(threads, [&](Index) {
     ++there;
@@ -65,7 +68,7 @@ TYPED_TEST(StepDeterminism, SameBitsTwiceAndOnAnyNumberOfThreads) {
     ASSERT_GT(start.vertex_count(), 2 * RangeSum::grain - 1) << "too small to be split among threads";
     const auto run = [&](int threads) {
       auto body = start;
-      program::ThreadPool pool(threads);
+      ThreadPool pool(threads);
       ImplicitEuler euler(body, SolverOptions{.method = SolverMethod::pcg, .preconditioner = kind, .tolerance = 1e-4});
       for (int step = 0; step < 3; ++step) EXPECT_TRUE(euler.step(body, Scalar(1.0 / 60), pool).ok());
       return state_of(body);
@@ -96,7 +99,7 @@ TYPED_TEST(StepDeterminism, BodiesSteppedTogetherMoveAsTheyWouldAlone) {
   std::vector<ImplicitEuler<Body>> integrators;
   for (const Body& body : bodies) integrators.emplace_back(body);
   std::vector<StepReport> reports(bodies.size());
-  program::ThreadPool pool(3);
+  ThreadPool pool(3);
   start_threads(pool, 3);
   const long before = testing::allocation_count;
   for (int step = 0; step < 4; ++step)
@@ -114,7 +117,7 @@ TYPED_TEST(StepDeterminism, BodiesSteppedTogetherMoveAsTheyWouldAlone) {
 TYPED_TEST(StepDeterminism, AStepAllocatesNothing) {
   using Scalar = typename TypeParam::Scalar;
   using Element = typename TypeParam::Element;
-  program::ThreadPool pool(2);
+  ThreadPool pool(2);
   start_threads(pool, 2);
   using Body = SoftBody<Scalar, Element>;
   const auto expect_none = [&]<class Integrator = ImplicitEuler<Body>>(
@@ -146,6 +149,47 @@ TYPED_TEST(StepDeterminism, AStepAllocatesNothing) {
   expect_none(Dilatation::mean, {}, exact);
   expect_none.template operator()<Bdf2<Body>>(Dilatation::per_element, {});
   expect_none.template operator()<Bdf2<Body>>(Dilatation::per_element, {}, exact);
+}
+
+// What an engine reads between steps, and the points it pushes and strikes.
+TYPED_TEST(StepDeterminism, ReadingABodyAllocatesNothingAndGivesTheSameBits) {
+  using Scalar = typename TypeParam::Scalar;
+  using Element = typename TypeParam::Element;
+  for (const Dilatation dilatation : {Dilatation::per_element, Dilatation::mean}) {
+    auto body = swinging_beam<Scalar, Element>(dilatation);
+    ImplicitEuler euler(body);
+    ThreadPool pool(3);
+    start_threads(pool, 3);
+    const auto u = body.displacements(), v = body.velocities();
+    euler.step(body, Scalar(1.0 / 60));
+    std::vector<ElementMeasures<Scalar>> serial(at(body.mesh().element_count())), parallel(serial);
+    PinReactions reactions(body), parallel_reactions(body);
+    const PointLocator locator(body.mesh());
+    DeformedPointLocator<Scalar, Element> deformed(locator), parallel_deformed(locator);
+    Field<Scalar> scratch(at(body.vertex_count()));
+    const Vec3<double> p(0.7, 0.1, 0.1);
+
+    const long before = testing::allocation_count;
+    element_measures(body, std::span(serial));
+    element_measures(body, std::span(parallel), pool);
+    reactions.evaluate_static(body);
+    reactions.evaluate_step(body, u, v, Scalar(1.0 / 60));
+    parallel_reactions.evaluate_step(body, u, v, Scalar(1.0 / 60), pool);
+    deformed.update(body.displacements());
+    parallel_deformed.update(body.displacements(), pool);
+    const auto found = deformed.locate(p), same = parallel_deformed.locate(p), at_rest = locator.locate(p);
+    add_force_at(body, found, {1, 2, 3});
+    const bool struck = apply_impulse_at(body, at_rest, {1, 2, 3}, scratch).ok();
+    EXPECT_EQ(testing::allocation_count - before, 0);
+
+    EXPECT_TRUE(struck);
+    EXPECT_TRUE(same_bits(serial, parallel));
+    ASSERT_FALSE(reactions.forces().empty());
+    for (std::size_t i = 0; i < reactions.forces().size(); ++i)
+      EXPECT_EQ(reactions.forces()[i], parallel_reactions.forces()[i]);
+    EXPECT_EQ(found.element, same.element);
+    EXPECT_EQ(found.weights, same.weights);
+  }
 }
 
 TEST(AllocationCount, SeesAllocations) {

@@ -141,7 +141,7 @@ TYPED_TEST(EmbedBind, DoesNotDependOnTheExecutor) {
   const Mesh mesh = this->block();
   const Points points = this->around(300), normals = this->directions(300);
   auto serial = Surface::bind(mesh, points, normals);
-  auto backwards = Surface::bind(mesh, points, normals, [](Index count, auto&& task) {
+  auto backwards = Surface::bind(mesh, points, normals, [](Index count, TaskRef task) {
     for (Index i = count; i-- > 0;) task(i);
   });
   ASSERT_TRUE(serial.ok() && backwards.ok());

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <atomic>
 #include <cstddef>
@@ -12,16 +13,32 @@
 
 namespace {
 std::atomic<long> allocations{0};
+std::atomic<std::size_t> allocated_bytes{0};  // asked for, in all
+std::atomic<std::ptrdiff_t> live_bytes{0};    // as the allocator rounds them
+
+void* counted(void* memory, std::size_t size) {
+  if (memory == nullptr) std::abort();
+  ++allocations;
+  allocated_bytes += size;
+  live_bytes += static_cast<std::ptrdiff_t>(malloc_usable_size(memory));
+  return memory;
+}
+void give_back(void* memory) {
+  if (memory != nullptr) live_bytes -= static_cast<std::ptrdiff_t>(malloc_usable_size(memory));
+  std::free(memory);
+}
 }  // namespace
 
 // Not inlined: gcc would warn that free() meets memory from operator new.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
-  std::abort();
+[[gnu::noinline]] void* operator new(std::size_t size) { return counted(std::malloc(size > 0 ? size : 1), size); }
+[[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) {
+  const auto unit = static_cast<std::size_t>(alignment);
+  return counted(std::aligned_alloc(unit, (size + unit - 1) / unit * unit), size);
 }
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory) noexcept { give_back(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { give_back(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::align_val_t) noexcept { give_back(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { give_back(memory); }
 
 namespace corotet {
 namespace {
@@ -97,10 +114,15 @@ TYPED_TEST(EmbedBuffer, TranslationIsAddedInTheMeshPrecision) {
 
 TYPED_TEST(EmbedBuffer, UpdateAllocatesNothing) {
   std::vector<std::byte> bytes(24 * at(this->surface().vertex_count()));
-  const VertexBuffer buffer{bytes.data(), 24, this->surface().vertex_count(), 0, 12};
+  VertexBuffer buffer{bytes.data(), 24, this->surface().vertex_count(), 0, 12};
+  const auto& constant = this->surface();
+  auto scratch = constant.make_scratch();
   const long before = allocations;
   this->surface().update(this->u_, buffer);
   this->surface().update(this->u_, buffer, SerialExecutor{});
+  constant.update(this->u_, buffer, scratch);
+  buffer.conversion = CoordinateConversion::between(coordinates::z_up, coordinates::unreal);
+  this->surface().update(this->u_, buffer);
   EXPECT_EQ(allocations, before);
   const std::vector<int> counted(10);
   EXPECT_EQ(allocations, before + 1) << "the counter does not count";
@@ -111,7 +133,7 @@ TYPED_TEST(EmbedBuffer, SameBytesOnAnyNumberOfThreads) {
   VertexBuffer buffer{expected.data(), 24, this->surface().vertex_count(), 0, 12};
   this->surface().update(this->u_, buffer);
   for (const Index threads : {1, 2, 4}) {
-    const auto executor = [threads](Index count, auto&& task) {
+    const auto executor = [threads](Index count, TaskRef task) {
       std::vector<std::thread> pool;
       for (Index t = 0; t < threads; ++t)
         pool.emplace_back([&, t] {
@@ -124,6 +146,70 @@ TYPED_TEST(EmbedBuffer, SameBytesOnAnyNumberOfThreads) {
     this->surface().update(this->u_, buffer, executor);
     EXPECT_EQ(bytes, expected);
   }
+}
+
+// Bodies of one mesh, each with its copy of the surface, are updated at once as they would be alone.
+TYPED_TEST(EmbedBuffer, CopiesServeBodiesAtOnce) {
+  USE_KIND;
+  constexpr std::size_t bodies = 4;
+  constexpr int rounds = 30;
+  const Surface& original = this->surface();
+  const Index count = original.vertex_count();
+  std::vector<Field<Scalar>> u(bodies);
+  for (Field<Scalar>& field : u)
+    for (std::size_t v = 0; v < this->u_.size(); ++v) field.push_back(this->random_vector(0.2).template cast<Scalar>());
+  const auto buffer_of = [&](std::vector<std::byte>& bytes) { return VertexBuffer{bytes.data(), 24, count, 0, 12}; };
+  std::vector<std::vector<std::byte>> alone(bodies, std::vector<std::byte>(24 * at(count))), copied = alone,
+                                                                                             constant = alone;
+  for (std::size_t b = 0; b < bodies; ++b) {
+    Surface own = Surface(original);
+    own.update(u[b], buffer_of(alone[b]));
+    EXPECT_EQ(alone[b] == alone[0], b == 0);
+  }
+  std::vector<Surface> copies(bodies, original);
+  std::vector<std::thread> threads;
+  for (std::size_t b = 0; b < bodies; ++b)
+    threads.emplace_back([&, b] {
+      auto scratch = original.make_scratch();
+      for (int round = 0; round < rounds; ++round) {
+        copies[b].update(u[b], buffer_of(copied[b]));
+        original.update(u[b], buffer_of(constant[b]), scratch);
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(copied, alone);
+  EXPECT_EQ(constant, alone);
+}
+
+TYPED_TEST(EmbedBuffer, ACopyCostsItsScratch) {
+  USE_KIND;
+  const Points points = this->inside(this->mesh_, 5000), normals = this->directions(5000);
+  const std::ptrdiff_t live_before = live_bytes;
+  auto surface = Surface::bind(this->mesh_, points, normals);
+  ASSERT_TRUE(surface.ok());
+  // What the allocator rounds up, and the counter of owners.
+  const MemoryUse memory = surface->memory();
+  EXPECT_GE(live_bytes - live_before, static_cast<std::ptrdiff_t>(memory.shared + memory.owned));
+  EXPECT_LE(live_bytes - live_before, static_cast<std::ptrdiff_t>(memory.shared + memory.owned) + 512);
+  EXPECT_GT(memory.shared, 5 * memory.owned);  // one scratch entry an element, 35 vertices an element
+
+  constexpr std::size_t count = 1000;
+  std::vector<Surface> copies;
+  copies.reserve(count);
+  const std::size_t before = allocated_bytes;
+  for (std::size_t i = 0; i < count; ++i) copies.push_back(*surface);
+  EXPECT_EQ(allocated_bytes - before, count * memory.owned);
+  for (const Surface& copy : copies) EXPECT_TRUE(copy.shares_binding(*surface));
+  EXPECT_FALSE(surface->shares_binding(this->surface()));
+}
+
+// A copy lives on when what it was copied from is gone.
+TYPED_TEST(EmbedBuffer, CopiesOutliveTheOriginal) {
+  USE_KIND;
+  const Field<Scalar> expected = this->positions(this->surface(), this->u_);
+  Surface copy = this->surface();
+  this->surface_.clear();
+  EXPECT_EQ(this->positions(copy, this->u_), expected);
 }
 
 }  // namespace

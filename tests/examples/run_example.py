@@ -96,6 +96,19 @@ def embedded_beam(program, folder):
     expect(all(f"{Path(folder) / name}" in text for name in ("beam.html", "beam.svg")), "their names to be printed")
 
 
+def engine_queries(program, _):
+    text = run(program)
+    held, weight = map(float, re.search(r"the pins hold ([\d.]+) N of ([\d.]+) N", text).groups())
+    near(weight, 9.81 * 1000 * 0.1 * 0.02 * 0.04, 0.001, "the weight")
+    near(held, weight, 0.002, "what the pins hold")
+    near(float(re.search(r"and ([\d.]+) N of a tongue", text)[1]), weight - 0.5, 0.01, "and less what pulls it up")
+    x, y, z = map(float, re.search(r"the tip at \(([-\d.]+), ([-\d.]+), ([-\d.]+)\) cm", text).groups())
+    near(x, 2, 0.01, "half the width, in cm")
+    expect(-10.5 < y < -8 and -6 < z < 2, "the tip in Unreal's coordinates, below where it was made")
+    binding, copy = map(int, re.search(r"(\d+) bytes of binding, (\d+)", text).groups())
+    expect(0 < copy < binding, "copies to cost less than the binding")
+
+
 def natural_frequencies(program, _):
     text = run(program)
     rows = [[c.strip() for c in line.strip("| ").split("|")] for line in text.splitlines() if "%" in line]

@@ -134,6 +134,16 @@ class CorotatedElasticity {
 
   [[nodiscard]] std::size_t bytes() const { return bytes_of(batches_) + mean_.bytes(); }
 
+  /// F and R at each quadrature point of batch `b`: for element_measures.
+  void deformation(const Field<Scalar>& displacement, Index b, std::array<Mat3Lanes<Scalar>, points>& f,
+                   std::array<Mat3Lanes<Scalar>, points>& r) const {
+    deformation_of_batch<Rotation>(batches_[at(b)], displacement, f, r);
+  }
+  /// R of the mean of F over the points of each element.
+  static void rotation_of(const Batch& batch, const std::array<Mat3Lanes<Scalar>, points>& f, Mat3Lanes<Scalar>& r) {
+    extract_from_gradient<Rotation>(mean_of_points(batch, f), r);
+  }
+
   /// Batches that one task works on.
   static constexpr Index batch_grain = 16;
 

@@ -145,6 +145,19 @@ class MeanDilatation {
     });
   }
 
+  /// For patches: visit(element, m theta_P / mu) for each element of patch p, with theta(e) of its elements.
+  template <class Theta, class Visit>
+  void for_each_tension(Index p, const Theta& theta, const Visit& visit) const {
+    Scalar total = 0, sum = 0;
+    for (Index k = patches_.start[at(p)]; k < patches_.start[at(p) + 1]; ++k) {
+      total += weight_[at(k)].trace;
+      sum += weight_[at(k)].trace * theta(patches_.element[at(k)]);
+    }
+    const Scalar mean = total > 0 ? sum / total : Scalar(0);
+    for (Index k = patches_.start[at(p)]; k < patches_.start[at(p) + 1]; ++k)
+      visit(patches_.element[at(k)], weight_[at(k)].ratio * mean);
+  }
+
   /// Numbers that Elasticity::energy keeps while it works: theta of each element, where patches need it.
   [[nodiscard]] std::size_t scratch_size() const { return over_patches ? ratio_.size() * at(lane_count<Scalar>) : 0; }
 

@@ -9,20 +9,6 @@
 
 namespace corotet::inline v0_1 {
 
-/// Law: `executor(count, task)` calls `task(i)` exactly once for every i in [0, count), in any order and on any
-/// threads, and returns when all of them have returned. A job system is adapted by a lambda:
-///   `auto jobs = [&](corotet::Index count, auto&& task) { engine.parallel_for(count, task); };`
-template <class E>
-concept Executor = requires(E& executor, Index count, void (*task)(Index)) { executor(count, task); };
-
-/// The default: everything on the calling thread, in order.
-struct SerialExecutor {
-  template <std::invocable<Index> Task>
-  void operator()(Index count, Task&& task) const {
-    for (Index i = 0; i < count; ++i) task(i);
-  }
-};
-
 /// Refers to a callable task(i), which must outlive it.
 class TaskRef {
  public:
@@ -37,6 +23,19 @@ class TaskRef {
  private:
   void* object_;
   void (*call_)(void*, Index);
+};
+
+/// Law: `executor(count, task)` calls `task(i)` exactly once for every i in [0, count), in any order and on any
+/// threads, and returns when all of them have returned. A job system is adapted by a lambda:
+///   `auto jobs = [&](corotet::Index count, corotet::TaskRef task) { engine.parallel_for(count, task); };`
+template <class E>
+concept Executor = requires(E& executor, Index count, TaskRef task) { executor(count, task); };
+
+/// The default: everything on the calling thread, in order.
+struct SerialExecutor {
+  void operator()(Index count, TaskRef task) const {
+    for (Index i = 0; i < count; ++i) task(i);
+  }
 };
 
 /// Refers to an executor of any type, which must outlive it; made from nothing, to the serial one. Functions take their

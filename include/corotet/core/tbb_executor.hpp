@@ -4,7 +4,6 @@
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 
-#include <concepts>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 
@@ -14,10 +13,9 @@ namespace corotet::inline v0_1 {
 /// `tbb::global_control`, to bound the number of threads. oneTBB keeps its own pool of task objects: that a step
 /// allocates nothing is promised for the library, not for oneTBB.
 struct TbbExecutor {
-  template <std::invocable<Index> Task>
-  void operator()(Index count, Task&& task) const {
+  void operator()(Index count, TaskRef task) const {
     oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<Index>(0, count),
-                              [&task](const oneapi::tbb::blocked_range<Index>& range) {
+                              [task](const oneapi::tbb::blocked_range<Index>& range) {
                                 for (Index i = range.begin(); i < range.end(); ++i) task(i);
                               });
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/number_text.hpp>
 #include <corotet/core/result.hpp>
@@ -76,15 +77,15 @@ Vec3<double> usable_start(const ElementField<double, Element::edge_nodes>& map, 
   }
 }
 
-/// Binds `p` (relative to the mesh's origin).
-template <std::floating_point Scalar, TetrahedralElement Element>
-BoundPoint bind_point(const TetMesh<Scalar, Element>& mesh, const BoxTree& tree, double rounding,
-                      const Vec3<double>& p) {
+/// The point of a mesh nearest to `p`: its element, where in that, and how far. `positions_of(e)` are the node
+/// positions of element e, m; `step` stays unset.
+template <TetrahedralElement Element, std::invocable<Index> PositionsOf>
+BoundPoint nearest_point(const BoxTree& tree, double rounding, const Vec3<double>& p, const PositionsOf& positions_of) {
   BoundPoint bound;
   const auto search = [&](bool thorough) {
     double best = std::numeric_limits<double>::infinity();
     const NearestPrimitive found = tree.nearest(p, [&](Index e) {
-      const ElementPoint q = closest_on_element<Element>(node_positions(mesh, e), p, rounding, thorough);
+      const ElementPoint q = closest_on_element<Element>(positions_of(e), p, rounding, thorough);
       // Nothing is nearer than "inside": the search ends there.
       const double d2 = q.squared_distance <= rounding * rounding ? 0 : q.squared_distance;
       if (d2 < best) {
@@ -100,6 +101,14 @@ BoundPoint bind_point(const TetMesh<Scalar, Element>& mesh, const BoxTree& tree,
   search(false);
   // One start for each element finds nearly every point that is inside; only the others are worth several.
   if (Element::edge_nodes > 0 && bound.distance > 0) search(true);
+  return bound;
+}
+
+/// Binds `p` (relative to the mesh's origin).
+template <std::floating_point Scalar, TetrahedralElement Element>
+BoundPoint bind_point(const TetMesh<Scalar, Element>& mesh, const BoxTree& tree, double rounding,
+                      const Vec3<double>& p) {
+  BoundPoint bound = nearest_point<Element>(tree, rounding, p, [&](Index e) { return node_positions(mesh, e); });
   const NodePositions<Element> x = node_positions(mesh, bound.element);
   const auto map = ElementField<double, Element::edge_nodes>::from_nodes([&](int a) { return x[at(a)]; });
   bound.xi = usable_start<Element>(map, bound.xi);

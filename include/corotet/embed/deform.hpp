@@ -5,6 +5,7 @@
 #include <cmath>
 #include <corotet/core/types.hpp>
 #include <corotet/embed/bind.hpp>
+#include <corotet/embed/body_point.hpp>
 #include <corotet/embed/element_map.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
 #include <limits>
@@ -51,16 +52,11 @@ struct BoundVertex {
   /// N_a(xi) + dN_a/dxi . step
   template <TetrahedralElement Element>
   [[nodiscard]] std::array<double, Element::nodes> weights() const {
-    const Vec3<double> first = where[0].template cast<double>();
-    const NaturalCoordinates xi{first[0], first[1], first[2]};
-    std::array<double, Element::nodes> w = Element::shape(xi);
-    if constexpr (edge_nodes == 1) {
-      const Vec3<double> step = where[1].template cast<double>() - first / 2;
-      const auto gradient = Element::gradient(xi);
-      for (std::size_t a = 0; a < w.size(); ++a)
-        for (int i = 0; i < 3; ++i) w[a] += gradient[a][at(i)] * step[i];
-    }
-    return w;
+    const Vec3<double> xi = where[0].template cast<double>();
+    if constexpr (edge_nodes == 0)
+      return extended_weights<Element>(xi, Vec3<double>::Zero());
+    else
+      return extended_weights<Element>(xi, where[1].template cast<double>() - xi / 2);
   }
 };
 

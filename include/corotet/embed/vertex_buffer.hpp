@@ -3,6 +3,7 @@
 
 #include <array>
 #include <corotet/core/types.hpp>
+#include <corotet/embed/coordinates.hpp>
 #include <cstddef>
 #include <cstring>
 #include <limits>
@@ -19,7 +20,10 @@ struct VertexBuffer {
   Index count = 0;                    ///< vertices in the buffer
   std::size_t position_offset = 0;    ///< bytes from the start of a vertex to its position, or `none`
   std::size_t normal_offset = none;   ///< the same for its normal
-  Vec3<double> translation{0, 0, 0};  ///< m, added to each position in the body's precision
+  Vec3<double> translation{0, 0, 0};  ///< m, added to each position in the body's precision and coordinates
+  /// Into the engine's coordinates, after the translation: CoordinateConversion::between. Its index buffer:
+  /// write_indices.
+  CoordinateConversion conversion{};
 
   /// Whether the attribute at `offset` lies within a vertex.
   [[nodiscard]] bool fits(std::size_t offset) const {

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -61,6 +62,23 @@ class BoxTree {
     build(boxes);
     leaf_boxes_.reserve(boxes.size());
     for (const Index primitive : order_) leaf_boxes_.push_back(boxes[at(primitive)]);
+  }
+
+  /// Other boxes for the same primitives, as many as before: the tree keeps its shape. O(n), allocates nothing. Queries
+  /// stay right, and cost more the farther primitives have moved apart.
+  void refit(std::span<const Box> boxes) {
+    COROTET_ASSERT(boxes.size() == order_.size(), "refitting needs one box for each primitive of the tree");
+    for (std::size_t i = 0; i < order_.size(); ++i) leaf_boxes_[i] = boxes[at(order_[i])];
+    for (Index n = size_of(nodes_) - 1; n >= 0; --n) {  // children come after their parent
+      Node& node = nodes_[at(n)];
+      node.box = Box{};
+      if (node.right == leaf) {
+        for (Index i = node.begin; i < node.end; ++i) node.box.add(leaf_boxes_[at(i)]);
+      } else {
+        node.box.add(nodes_[at(n + 1)].box);
+        node.box.add(nodes_[at(node.right)].box);
+      }
+    }
   }
 
   [[nodiscard]] bool empty() const { return nodes_.empty(); }

@@ -1,17 +1,15 @@
 // What all surface readers do with what they have read: polygons to triangles, checks, notes.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <corotet/core/result.hpp>
 #include <corotet/core/types.hpp>
+#include <corotet/mesh/coinciding.hpp>
 #include <corotet/mesh/surface_mesh.hpp>
 #include <limits>
-#include <numeric>
 #include <span>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -50,15 +48,7 @@ class SurfaceSink {
   /// Makes one vertex of those at exactly the same place: formats that repeat them in each triangle. O(n log n).
   void merge_equal_vertices() {
     Field<double>& x = mesh.positions;
-    std::vector<Index> order(x.size());
-    std::iota(order.begin(), order.end(), 0);
-    const auto key = [&](Index v) { return std::make_tuple(x[at(v)][0], x[at(v)][1], x[at(v)][2], v); };
-    std::sort(order.begin(), order.end(), [&](Index a, Index b) { return key(a) < key(b); });
-    std::vector<Index> first(x.size());  // of the vertices at the same place
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      const bool same = i > 0 && x[at(order[i])] == x[at(order[i - 1])];
-      first[at(order[i])] = same ? first[at(order[i - 1])] : order[i];
-    }
+    const std::vector<Index> first = first_coinciding(x);
     std::vector<Index> renumbered(x.size());
     Index kept = 0;
     for (std::size_t v = 0; v < x.size(); ++v) {

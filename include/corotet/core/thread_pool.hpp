@@ -1,22 +1,19 @@
-// A few threads that share numbered tasks: the program's Executor (corotet/core/executor.hpp).
+// Opt-in: a few threads that share numbered tasks, for programs without a job system. Link Threads::Threads.
 #pragma once
 
 #include <algorithm>
 #include <atomic>
-#include <concepts>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <thread>
-#include <type_traits>
 #include <vector>
 
-namespace corotet::program {
+namespace corotet::inline v0_1 {
 
-/// `pool(count, task)` calls task(0) ... task(count - 1), each once, on the pool's threads and the calling one.
-/// Tasks must not throw and must not call the pool; only one thread at a time may call it. A call allocates nothing.
+/// An Executor: `pool(count, task)` calls task(0) ... task(count - 1), each once, on the pool's threads and the calling
+/// one. Tasks must not throw and must not call the pool. One thread at a time may call it. A call allocates nothing.
 ///
 /// A step has hundreds of parallel loops of some tens of microseconds: less than it takes to wake a thread. So threads
 /// that run out of work look for more for a while before they sleep, and tasks are taken without a lock. Each thread
@@ -24,9 +21,9 @@ namespace corotet::program {
 /// it wrote in one loop is still in its core's cache in the next.
 class ThreadPool {
  public:
-  /// `threads` >= 1, the calling thread included: 1 makes no threads and runs tasks in order. Throws std::system_error
-  /// if the system does not give as many, std::bad_alloc if there is no memory for them.
-  explicit ThreadPool(int threads) : ThreadPool(at(std::max(threads, 1))) {
+  /// `threads` >= 1, the calling thread included: 1 makes no threads and runs tasks in order. Where the system does not
+  /// give as many, std::thread throws std::system_error, and ends a program that is compiled without exceptions.
+  explicit ThreadPool(int threads) : ThreadPool(at((std::max)(threads, 1))) {
     // If a thread cannot be made, the destructor runs, because a delegated constructor has finished: it stops the
     // others.
     for (std::size_t i = 1; i < shares_.size(); ++i) workers_.emplace_back([this, i] { work(i); });
@@ -42,16 +39,15 @@ class ThreadPool {
     for (std::thread& worker : workers_) worker.join();
   }
 
-  template <std::invocable<Index> Task>
-  void operator()(Index count, Task&& task) {
+  /// The calling thread included.
+  [[nodiscard]] int thread_count() const { return static_cast<int>(shares_.size()); }
+
+  void operator()(Index count, TaskRef task) {
     if (workers_.empty() || count <= 1) {
       for (Index i = 0; i < count; ++i) task(i);
       return;
     }
-    using Callable = std::remove_reference_t<Task>;
-    // A task that is const is called as const again: the cast only carries it through the untyped pointer.
-    job_ = {const_cast<void*>(static_cast<const void*>(std::addressof(task))),
-            [](void* context, Index i) { (*static_cast<Callable*>(context))(i); }};
+    job_ = &task;
     const auto threads = static_cast<Index>(shares_.size());
     for (Index t = 0; t < threads; ++t) {
       shares_[at(t)].next = first_of(t, count, threads);
@@ -67,11 +63,6 @@ class ThreadPool {
  private:
   explicit ThreadPool(std::size_t threads) : shares_(threads) {}
 
-  struct Job {
-    void* context = nullptr;
-    void (*call)(void*, Index) = nullptr;
-  };
-
   /// The numbers that a thread begins with, in a cache line of its own.
   struct alignas(64) Share {
     std::atomic<Index> next{0};
@@ -86,7 +77,7 @@ class ThreadPool {
   void run_tasks(std::size_t thread) {
     for (std::size_t t = 0; t < shares_.size(); ++t) {
       Share& share = shares_[(thread + t) % shares_.size()];
-      for (Index i = share.next++; i < share.end; i = share.next++) job_.call(job_.context, i);
+      for (Index i = share.next++; i < share.end; i = share.next++) (*job_)(i);
     }
   }
 
@@ -116,11 +107,11 @@ class ThreadPool {
   std::atomic<std::uint32_t> phase_{0};
   std::atomic<int> inside_{0};
   std::atomic<bool> stopping_{false};
-  Job job_;
-  std::vector<Share> shares_;  // of the calling thread first
+  const TaskRef* job_ = nullptr;  // read only by threads that are inside while it is open
+  std::vector<Share> shares_;     // of the calling thread first
   std::vector<std::thread> workers_;
 };
 
 static_assert(Executor<ThreadPool>);
 
-}  // namespace corotet::program
+}  // namespace corotet::inline v0_1

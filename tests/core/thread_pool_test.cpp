@@ -1,5 +1,4 @@
-#include "thread_pool.hpp"
-
+#include <corotet/core/thread_pool.hpp>
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -12,7 +11,7 @@ namespace {
 
 using corotet::at;
 using corotet::Index;
-using corotet::program::ThreadPool;
+using corotet::ThreadPool;
 
 TEST(ThreadPool, CallsEachTaskExactlyOnceAndReturnsAfterThem) {
   for (const int threads : {1, 2, 4}) {
@@ -55,6 +54,20 @@ TEST(ThreadPool, TakesConstAndNonConstCallables) {
   auto changing = [&seen, calls = std::vector<int>(10)](Index i) mutable { seen[at(i)] += ++calls[at(i)]; };
   pool(10, changing);
   EXPECT_EQ(seen, std::vector<int>(10, 2));
+}
+
+// As all functions of the library take it, one pool after another and through references to it.
+TEST(ThreadPool, RunsTheRangesOfTheLibrary) {
+  for (const int threads : {1, 3}) {
+    ThreadPool pool(threads);
+    EXPECT_EQ(pool.thread_count(), threads);
+    const corotet::ExecutorRef executor = pool, again = executor;
+    std::vector<int> visits(1001, 0);
+    corotet::for_ranges(again, 1001, 10, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i) ++visits[at(i)];
+    });
+    EXPECT_EQ(visits, std::vector<int>(1001, 1));
+  }
 }
 
 }  // namespace
