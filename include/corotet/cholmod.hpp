@@ -1,0 +1,4 @@
+// Opt-in: SuiteSparse's Cholesky factorisation as a solver (GPL in part). Link corotet::cholmod.
+#pragma once
+
+#include <corotet/solve/cholmod.hpp>

@@ -1,0 +1,4 @@
+// Opt-in: fields and small matrices as Eigen's (3.4 or 5). Link corotet::eigen.
+#pragma once
+
+#include <corotet/core/eigen.hpp>

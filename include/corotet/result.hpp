@@ -1,0 +1,5 @@
+// Errors: Result<T> for bad data, COROTET_ASSERT and its handler for mistakes of the calling program.
+#pragma once
+
+#include <corotet/core/assert.hpp>
+#include <corotet/core/result.hpp>

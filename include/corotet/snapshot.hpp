@@ -1,0 +1,4 @@
+// Snapshots: the state of a body and of its integrator as bytes. After it is restored, steps repeat to the last bit.
+#pragma once
+
+#include <corotet/dynamics/snapshot.hpp>

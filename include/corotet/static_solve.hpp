@@ -1,0 +1,4 @@
+// Static equilibrium: the shape in which a body rests under its pins, gravity, forces and terms.
+#pragma once
+
+#include <corotet/dynamics/static_solve.hpp>

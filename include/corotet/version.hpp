@@ -1,0 +1,4 @@
+// The version of the library, as macros and as constants.
+#pragma once
+
+#include <corotet/core/version.hpp>

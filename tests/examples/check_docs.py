@@ -1,0 +1,61 @@
+"""Documentation for users names what is there: files that docs/*.md link to exist, with the headings that they link to;
+README.md, docs and examples include headers of corotet that lie outside its folders; and each C++ file of docs/snippets is
+shown by a page or by the reference, each listing that names a region of one repeats it."""
+import re
+import sys
+from pathlib import Path
+
+root = Path(__file__).resolve().parent.parent.parent
+pages = [root / "README.md", root / "CONTRIBUTING.md", *sorted(root.glob("docs/**/*.md"))]
+sources = [path for folder in ("examples", "docs/snippets") for path in sorted((root / folder).glob("*.[ch]pp"))]
+faults = []
+
+
+def anchor(heading):
+    """As GitHub makes it of a heading."""
+    text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).lower()
+    return re.sub(r"[^\w\- ]", "", text).replace(" ", "-")
+
+
+def anchors(page):
+    text = re.sub(r"```.*?```", "", page.read_text(), flags=re.DOTALL)
+    return {anchor(heading) for heading in re.findall(r"^#+ (.*)$", text, re.MULTILINE)}
+
+
+def unindented(text):
+    return "\n".join(line.strip() for line in text.strip().splitlines())
+
+
+for page in pages:
+    text = re.sub(r"```.*?```", "", page.read_text(), flags=re.DOTALL)
+    for target in re.findall(r"\]\(([^)\s]+)\)", text):
+        path, _, heading = target.partition("#")
+        if ":" in path:
+            continue
+        file = (page.parent / path).resolve() if path else page
+        if not file.exists():
+            faults.append(f"{page.relative_to(root)} links to {target}, which does not exist")
+        elif heading and file.suffix == ".md" and heading not in anchors(file):
+            faults.append(f"{page.relative_to(root)} links to {target}: no such heading")
+
+for file in pages + sources:
+    for header in re.findall(r"#include <(corotet/[^>]+)>", file.read_text()):
+        if header.count("/") > 1:
+            faults.append(f"{file.relative_to(root)} includes <{header}>, which is not for users")
+        elif not (root / "include" / header).exists():
+            faults.append(f"{file.relative_to(root)} includes <{header}>, which does not exist")
+
+shown = " ".join(path.read_text() for folder in ("docs", "include") for path in root.glob(f"{folder}/**/*.[mh]*") if path.is_file())
+for source in sorted(root.glob("docs/snippets/*.cpp")):
+    if source.name not in shown:
+        faults.append(f"docs/snippets/{source.name} is shown nowhere")
+
+# A listing that is preceded by <!-- snippet file.cpp region --> repeats that region, up to indentation.
+for page in pages:
+    for name, region, listing in re.findall(r"<!-- snippet (\S+) (\S+) -->\n```cpp\n(.*?)```", page.read_text(), re.DOTALL):
+        source = (root / "docs" / "snippets" / name).read_text()
+        parts = source.split(f"//! [{region}]\n")
+        if len(parts) != 3 or unindented(parts[1]) != unindented(listing):
+            faults.append(f"{page.relative_to(root)}: the listing {name} {region} differs from docs/snippets/{name}")
+
+sys.exit("\n".join(faults) if faults else 0)
