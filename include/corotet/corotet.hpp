@@ -1,5 +1,5 @@
-// The whole library but what is opt-in: <corotet/eigen.hpp>, <corotet/tbb.hpp>, <corotet/cholmod.hpp>. Faster to compile:
-// those of the headers below that you need.
+// The whole library but what is opt-in: <corotet/eigen.hpp>, <corotet/tbb.hpp>, <corotet/cholmod.hpp>. Faster to
+// compile: those of the headers below that you need.
 #pragma once
 
 #include <corotet/core/macros_off.hpp>

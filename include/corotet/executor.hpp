@@ -1,4 +1,5 @@
-// Threads of the caller: an ExecutorRef refers to any parallel loop, and each call that works hard takes one.
+/// @defgroup group_executor Executors
+/// Threads of the caller: an ExecutorRef refers to any parallel loop. Each call that works hard takes one.
 #pragma once
 
 #include <corotet/core/executor.hpp>

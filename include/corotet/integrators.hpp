@@ -1,5 +1,6 @@
-// Time steps: ImplicitEuler and Bdf2; AdaptiveStep divides steps that cannot be trusted, step_bodies steps many bodies
-// at once, and Integrator makes a step of your own TimeScheme.
+/// @defgroup group_integrators Integrators
+/// Time steps: ImplicitEuler and Bdf2. AdaptiveStep divides steps that cannot be trusted, step_bodies steps many bodies
+/// at once, and Integrator makes an integrator of your own TimeScheme.
 #pragma once
 
 #include <corotet/dynamics/adaptive_step.hpp>

@@ -1,4 +1,5 @@
-// Readers and writers of files: volumes, surfaces, time series, and animations that play in a browser.
+/// @defgroup group_io Readers and writers
+/// Files: volumes, surfaces, time series, and animations that play in a browser.
 #pragma once
 
 #include <corotet/mesh/animation.hpp>

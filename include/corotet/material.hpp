@@ -1,4 +1,5 @@
-// Materials: Young's modulus, Poisson's ratio and density, one for a body or one for each element.
+/// @defgroup group_material Materials
+/// Young's modulus, Poisson's ratio and density, one for a body or one for each element.
 #pragma once
 
 #include <corotet/material/material.hpp>

@@ -1,4 +1,5 @@
-// Stiffness and mass as sparse matrices of 3x3 blocks, without a body or time steps: for modes, statics, own solvers.
+/// @defgroup group_matrices Stiffness and mass matrices
+/// Sparse matrices of 3x3 blocks, without a body or time steps: for vibration modes and solvers of your own.
 #pragma once
 
 #include <corotet/assembly/assemble.hpp>

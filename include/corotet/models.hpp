@@ -1,5 +1,5 @@
-// Elastic models: the rotation of each quadrature point (Polar, GramSchmidt, Identity, PerElement) and the energy that
-// the rest of the deformation has.
+/// @defgroup group_models Elastic models and rotations
+/// The constitutive law of a body: how each quadrature point's rotation is found, and what energy the strain has.
 #pragma once
 
 #include <corotet/material/corotated.hpp>

@@ -1,4 +1,5 @@
-// Errors: Result<T> for bad data, COROTET_ASSERT and its handler for mistakes of the calling program.
+/// @defgroup group_result Errors
+/// Result for bad data; COROTET_ASSERT and its handler for mistakes of the calling program.
 #pragma once
 
 #include <corotet/core/assert.hpp>

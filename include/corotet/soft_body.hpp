@@ -1,5 +1,7 @@
-// A soft body: its model (mesh, material, mass), its state, pins, gravity and forces. An integrator
-// (<corotet/integrators.hpp>) moves it.
+/// @defgroup group_soft_body Bodies
+/// A soft body: its model (mesh, material, mass), its state, pins, gravity and forces.
+///
+/// An integrator (@ref group_integrators) moves it.
 #pragma once
 
 #include <corotet/dynamics/body_model.hpp>

@@ -1,4 +1,5 @@
-// Linear solvers and preconditioners: AutoSolver is the default of all integrators; the others can be named instead.
+/// @defgroup group_solvers Linear solvers
+/// Solvers and preconditioners of the linear systems of a step. AutoSolver is the default of all integrators.
 #pragma once
 
 #include <corotet/solve/auto_solver.hpp>
@@ -7,5 +8,4 @@
 #include <corotet/solve/pcg.hpp>
 #include <corotet/solve/rigid_aggregates.hpp>
 #include <corotet/solve/solver.hpp>
-#include <corotet/solve/step_system.hpp>
 #include <corotet/solve/warped_cholesky.hpp>

@@ -1,4 +1,5 @@
-// Opt-in: an executor over oneTBB. Link corotet::tbb.
+/// @defgroup group_tbb oneTBB (opt-in)
+/// An executor over oneTBB. Link corotet::tbb.
 #pragma once
 
 #include <corotet/core/tbb_executor.hpp>

@@ -1,4 +1,5 @@
-// Terms: forces of your own in a step (springs, attachments, contacts, drag), with their stiffness and energy.
+/// @defgroup group_terms Terms
+/// Forces of your own in a step (springs, attachments, contacts, drag), with their stiffness and energy.
 #pragma once
 
 #include <corotet/terms/body_terms.hpp>

@@ -1,4 +1,5 @@
-// The version of the library, as macros and as constants.
+/// @defgroup group_version Version
+/// The version of the library, as macros and as constants.
 #pragma once
 
 #include <corotet/core/version.hpp>
