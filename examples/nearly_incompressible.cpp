@@ -1,4 +1,4 @@
-// Volumetric locking and its cure: the tables of docs/elements.md.
+// Volumetric locking and its cure: the tables of docs/benchmarks/elements.md.
 //
 //   nearly_incompressible [quick | solid | MESH...]
 //

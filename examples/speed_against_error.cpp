@@ -1,4 +1,4 @@
-// Time of a step beside its error: the table of README.md, and those of docs/elements.md.
+// Time of a step beside its error: the table of README.md, and those of docs/benchmarks/elements.md.
 //
 //   speed_against_error [readme | elements | quick]
 //
