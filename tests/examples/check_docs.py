@@ -54,7 +54,7 @@ for source in sorted(root.glob("docs/snippets/*.cpp")):
 for page in pages:
     for name, region, listing in re.findall(r"<!-- snippet (\S+) (\S+) -->\n```cpp\n(.*?)```", page.read_text(), re.DOTALL):
         source = (root / "docs" / "snippets" / name).read_text()
-        parts = source.split(f"//! [{region}]\n")
+        parts = re.split(rf"^ *//! \[{region}\]\n", source, flags=re.MULTILINE)
         if len(parts) != 3 or unindented(parts[1]) != unindented(listing):
             faults.append(f"{page.relative_to(root)}: the listing {name} {region} differs from docs/snippets/{name}")
 
