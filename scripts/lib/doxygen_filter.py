@@ -2,7 +2,7 @@
 
 All that a header declares joins the group of the face header that includes it by name: group_<its stem>. Doxygen 1.9
 does not parse `namespace corotet::inline v0_1`, attributes that are macros and digit separators. Definitions below a
-class would be listed beside it: they are left out.
+class, and deduction guides, would be listed beside it: they are left out.
 """
 import re
 import sys
@@ -25,4 +25,6 @@ text = text.replace("COROTET_COLD ", "")
 text = re.sub(r"(?<=[0-9A-Fa-f])'(?=[0-9A-Fa-f])", "", text)
 text = re.sub(r"^// Below the class, .*?(?=^/\*\* @\})", lambda below: "\n" * below[0].count("\n"), text,
               flags=re.MULTILINE | re.DOTALL)
+text = re.sub(r"^template <class [^\n]*>\n\w+\([^;{]*\) -> [^;]*;", lambda guide: "\n" * guide[0].count("\n"), text,
+              flags=re.MULTILINE)
 sys.stdout.write(text)

@@ -165,8 +165,13 @@ class Bdf2Scheme {
   Revision motion_;  // of the state after the last step, if it can be continued
 };
 
-/// The integrator of second order: see Bdf2Scheme. Error O(h^2); vibrations much faster than a step are damped within a
-/// few steps, as by backward Euler (L-stable), slow ones hardly.
+/// The integrator of second order, BDF2: error O(h^2), little damping of slow vibrations.
+///
+/// Use it where motion is compared with measurement or another program, or must keep its energy. ImplicitEuler takes
+/// less time a step and damps more. Vibrations much faster than a step are damped within a few steps (L-stable).
+/// @snippet steps.cpp bdf2
+/// The scheme is equation 12 of docs/theory.md. A step that does not continue the last one, as after set_displacements,
+/// is of backward Euler. Steps may differ in length.
 template <class Body, class Solver = AutoSolver<typename Body::scalar_type>>
   requires LinearSolver<Solver, typename Body::scalar_type>
 class Bdf2 {
