@@ -19,7 +19,7 @@ namespace corotet::inline v0_1 {
 /// converged; with one solve a step they differ.
 enum class Tangent : std::uint8_t {
   /// The warped stiffness R K_e R^T (Müller & Gross 2004): semi-definite, keeps the spin of a free body. One solve a
-  /// step buzzes for ever in a body that is held stretched to about three times its length.
+  /// step keeps vibrating in a body that is held stretched to about three times its length.
   plain,
   /// Adds to each twist mode what its stiffness exceeds mu/2 by, or less in steps that are longer than sound takes
   /// through the body's thickness: nothing in ordinary scenes, and rest for a body that is held stretched or hangs.
@@ -27,7 +27,7 @@ enum class Tangent : std::uint8_t {
   /// Adds all of each twist mode: the Hessian of the energy, with which Newton's iteration converges quadratically.
   /// Where that makes a step's matrix indefinite, the step goes on with the modes' positive parts alone, each point's
   /// part of the Hessian projected to semi-definite (Teran et al. 2005; on demand: Longva et al. 2023, "Pitfalls of
-  /// projection"). One solve a step of it brakes spin.
+  /// projection"). One solve a step of it damps spin.
   exact
 };
 

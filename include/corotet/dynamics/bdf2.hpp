@@ -41,7 +41,7 @@ namespace corotet::inline v0_1 {
 /// A step that does not continue the last one is of backward Euler: the first, one after the caller set displacements
 /// or velocities, one that is more than twice as long as the step before (zero-stability ends at 1 + sqrt 2), and those
 /// that start with inverted elements, whose rotations jump: a second derivative in time means nothing there, and
-/// backward Euler brings nearly incompressible ones home.
+/// backward Euler returns nearly incompressible ones to the rest configuration.
 template <class Body>
 class Bdf2Scheme {
  public:

@@ -77,7 +77,7 @@ class EnergyBound {
   }
 
   /// Once the body has moved and been evaluated: whether it has gained more than rounding explains. The error of steps
-  /// of second order has either sign: what they gain is summed until it is paid back, or forgotten after one of
+  /// of second order has either sign: what they gain is summed until steps lose it again, or a step is of
   /// backward Euler, and may be `most_gain` of the elastic energy before and after and the kinetic one about the mean
   /// motion. The fields are those before.
   [[nodiscard]] bool exceeds(const Body& body, const TimeStep<Scalar>& step, const Field<Scalar>& displacement_before,
@@ -127,7 +127,7 @@ class EnergyBound {
   static constexpr double rounding = 16 * static_cast<double>(std::numeric_limits<Scalar>::epsilon());
   static constexpr double most_gain = 1e-4;
   /// The largest stress over mu from which on a gain counts. A stiff body that turns about a pinned axle stretches by
-  /// (h w)^2 / 2 in each step, and is drawn back in the next: to solve that again would do no more than brake it.
+  /// (h w)^2 / 2 in each step, and is drawn back in the next: to solve that again would only damp its rotation.
   static constexpr double least_stress = 0.1;
 
   detail::Buffer<double> scratch_;

@@ -29,7 +29,7 @@ namespace corotet::inline v0_1 {
 /// -g w x (w x r) with g = h / sqrt(1 + (h w)^2), the radial velocity of a free point after h: h w^2 for slow turns, no
 /// more than the velocity itself for fast ones.
 ///
-/// Angular momentum: implicit integrators brake spin, by sum c v' x M vbar. This gives it back by the change of
+/// Angular momentum: implicit integrators damp spin, by sum c v' x M vbar. This gives it back by the change of
 /// velocity that is smallest in the norm of M, a rotation about the centre of mass (projection onto the level set of a
 /// first integral: Hairer, Lubich & Wanner 2006, section IV.4), which is exact to rounding, as the momentum is linear
 /// in v'. What the solver's tolerance has left, and torques of forces that have no energy, go with it.

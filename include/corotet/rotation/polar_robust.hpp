@@ -106,8 +106,8 @@ template <std::floating_point Scalar>
 }
 
 /// By how much tr(R^T F) must differ between stationary rotations, those for which R^T F is symmetric, for the choice
-/// between them to be clear; `unit`: the size of F at rest. What is less is decided by what leads a body that starts
-/// collapsed or mirrored home: all its elements turn the same way, and it unfolds. By rounding, or by what little a
+/// between them to be clear; `unit`: the size of F at rest. What is less is decided by what returns a body that starts
+/// collapsed or mirrored to rest: all its elements turn the same way, and it unfolds. By rounding, or by what little a
 /// start is off, each would turn its own way, and they lock.
 ///
 /// Where the choice is not clear R depends on the axes of the rest position, and is stationary only to 0.35 of this:
