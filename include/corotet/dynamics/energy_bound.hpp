@@ -16,12 +16,11 @@
 
 namespace corotet::inline v0_1 {
 
-/// The energy after a step against that before it and what terms and pins have given. Backward Euler, solved,
-/// never gains any where the elastic energy is convex along the step: v' . M (v' - v) >= (v' . M v' - v . M v) / 2 and
-/// W(x') - W(x) <= -(x' - x) . f(x'). One linear solve may: bodies that hardly change their volume, which a step along
-/// straight lines stretches, gain a tenth of a swing's energy at nu = 0.499.
+/// Compares the energy after a step with that before it and the work of terms and pins.
 ///
-/// Not known, and not asked for, in steps in which pins lead a body with stiffness damping.
+/// Backward Euler, solved exactly, gains no energy where the elastic energy is convex along the step: docs/theory.md,
+/// equation 17. One linear solve may, above all in nearly incompressible bodies. Steps in which pins move a body with
+/// stiffness damping are not compared: the work of the pins is not known there.
 template <class Body>
 class EnergyBound {
  public:

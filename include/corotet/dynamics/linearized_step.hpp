@@ -59,9 +59,7 @@ class LinearizedStep {
     if (evaluation_.twist.projects() != before) revision_ = {};
   }
 
-  /// Before a step with this gamma. A bar that is pulled straightens by the stress s, besides its stiffness in bending.
-  /// One solve a step comes to rest if what the matrix leaves out of that is less than 4 M / gamma^2 and the stiffness
-  /// together, for each wave length; so if s is less than sqrt(4/3 rho E) thickness / gamma, a twist mode of s / 2.
+  /// Sets the cap of the twist modes for steps with this gamma (s): docs/theory.md, equation 9.
   void prepare(const Body& body, Scalar gamma) {
     const Scalar before = evaluation_.twist.left();
     evaluation_.twist.leave((std::min)(0.5, body.crossing_time() / double(gamma)));
