@@ -6,6 +6,7 @@ Usage: check_headers.py RULE INCLUDE_DIR [--opt-in HEADER ...]
 RULE is one of
   layers     a header includes only its own folder and the folders below it; a face header, which lies outside the
              folders, includes headers of the folders alone
+  alone      what few programs need (files, mesh generation) is reached by its own face header alone
   forbidden  no exceptions, RTTI, printing or exiting, no macro but COROTET_... and no name that is one elsewhere
   length     under 500 lines a header, at most 120 characters a line
   umbrella   corotet/corotet.hpp includes the face headers alone, all but the opt-in ones, and through them reaches every
@@ -21,6 +22,9 @@ from pathlib import Path
 
 # Lowest first. Element comes before mesh because a mesh is a template over its element.
 LAYERS = ["core", "element", "mesh", "rotation", "material", "assembly", "solve", "terms", "dynamics", "embed", "scene"]
+
+# The one face header that includes headers of a folder.
+ALONE = {"corotet/mesh/io/": "corotet/io.hpp", "corotet/mesh/stuffing/": "corotet/meshing.hpp"}
 
 FORBIDDEN = [
     (r"\bthrow\b|\btry\b|\bcatch\b", "the library does not use exceptions: return a Result"),
@@ -127,6 +131,14 @@ def reached_from(headers, names):
     return reached
 
 
+def check_alone(headers, _opt_in):
+    for name in filter(is_face, headers):
+        for reached in sorted(reached_from(headers, [name])):
+            for folder, face in ALONE.items():
+                if reached.startswith(folder) and name != face:
+                    yield f"{name}:1: reaches {reached}, which only {face} may"
+
+
 def check_umbrella(headers, opt_in):
     if UMBRELLA not in headers:
         yield f"{UMBRELLA}:1: does not exist"
@@ -153,7 +165,13 @@ def check_umbrella(headers, opt_in):
                 yield f"{UMBRELLA}:1: does not list <{standard}>, which {name} includes"
 
 
-RULES = {"layers": check_layers, "forbidden": check_forbidden, "length": check_length, "umbrella": check_umbrella}
+RULES = {
+    "layers": check_layers,
+    "alone": check_alone,
+    "forbidden": check_forbidden,
+    "length": check_length,
+    "umbrella": check_umbrella,
+}
 
 
 def violations(rule, include_dir, opt_in=()):

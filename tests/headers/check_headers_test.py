@@ -102,6 +102,16 @@ static_assert(true); trap_on_assert(); at(i); std::snprintf(b, n, f); retry(); o
         beside = files | {"corotet/other.hpp": "#include <corotet/face.hpp>\n"}
         self.assertEqual(len(self.run_rule("layers", beside)), 1)
 
+    def test_files_are_reached_by_their_face_header_alone(self):
+        files = {
+            "corotet/io.hpp": "#include <corotet/mesh/io/read.hpp>\n",
+            "corotet/mesh/io/read.hpp": "",
+            "corotet/mesh/b.hpp": "#include <corotet/mesh/io/read.hpp>\n",
+        }
+        self.assertEqual(self.run_rule("alone", files), [])
+        dragged = files | {"corotet/face.hpp": "#include <corotet/mesh/b.hpp>\n"}
+        self.assertEqual(len(self.run_rule("alone", dragged)), 1)
+
     UMBRELLA = {
         "corotet/corotet.hpp": "#include <corotet/core/macros_off.hpp>\n#include <vector>\n"
         "#include <corotet/core/macros_on.hpp>\n#include <corotet/face.hpp>\n",
