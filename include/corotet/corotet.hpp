@@ -1,5 +1,5 @@
-// The whole library but what is opt-in: <corotet/eigen.hpp>, <corotet/tbb.hpp>, <corotet/cholmod.hpp>. Faster to
-// compile: those of the headers below that you need.
+// The whole library but what is opt-in: <corotet/thread_pool.hpp>, <corotet/eigen.hpp>, <corotet/tbb.hpp> and
+// <corotet/cholmod.hpp>. Faster to compile: those of the headers below that you need.
 #pragma once
 
 #include <corotet/core/macros_off.hpp>
@@ -43,9 +43,11 @@
 #include <corotet/io.hpp>
 #include <corotet/material.hpp>
 #include <corotet/matrices.hpp>
+#include <corotet/measures.hpp>
 #include <corotet/mesh.hpp>
 #include <corotet/meshing.hpp>
 #include <corotet/models.hpp>
+#include <corotet/points.hpp>
 #include <corotet/result.hpp>
 #include <corotet/snapshot.hpp>
 #include <corotet/soft_body.hpp>
