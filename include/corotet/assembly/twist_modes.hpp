@@ -36,14 +36,12 @@ enum class Tangent : std::uint8_t {
   return tangent == Tangent::plain ? "plain" : tangent == Tangent::exact ? "exact" : "stretch_stable";
 }
 
-/// The twist modes of one state of a body, as the tangent wants them. With F = R S, stretches s_k along n_k and
-/// stresses sigma_k, the energy density's Hessian has the eigenvectors R [n_k]x / sqrt 2 with the eigenvalues (sigma_i
-/// + sigma_j) / (s_i + s_j) = 2 mu + (2 p - 4 mu) / (s_i + s_j), where p = lambda tr(S - I) and i, j are the other two
-/// of 0, 1, 2. It has six more modes, and those are the warped stiffness. (Smith, de Goes & Kim 2019, "Analytic
-/// eigensystems for isotropic distortion energies", section 5, for energies in the invariants of S.)
+/// The twist modes of one state of a body, as the tangent wants them: docs/theory.md, equations 7 and 8. They are what
+/// the Hessian of the energy has besides the warped stiffness (Smith, de Goes & Kim 2019, "Analytic eigensystems for
+/// isotropic distortion energies", section 5, for energies in the invariants of S).
 ///
-/// Kept is the symmetric matrix H = sum e_k (R n_k)(R n_k)^T / 2 mu of each quadrature point, from which block (a, b)
-/// of an element follows as mu V [g_a]x H [g_b]x^T with g = R grad N.
+/// The class keeps the symmetric matrix H = sum e_k (R n_k)(R n_k)^T / 2 mu of each quadrature point. Block (a, b) of
+/// an element is mu V [g_a]x H [g_b]x^T with g = R grad N.
 template <std::floating_point Scalar>
 class TwistModes {
  public:

@@ -24,10 +24,11 @@
 
 namespace corotet::inline v0_1 {
 
-/// The equation of a TimeStep with the elastic force linearised at x_k = x_history + gamma v_k:
-/// f_el(x) = f_el(x_k) - K (x - x_k). The new velocity follows from A v = M v_history + gamma (f + f_el(x_k))
-/// + gamma^2 K v_k with A = M + gamma D + gamma^2 K, and f the sum of all terms. K is the Tangent asked for, and
-/// D = a M + b K' with the warped stiffness K' where the step's force is linearised first: so damping has a potential
+/// The equation of a TimeStep with the elastic force linearised at x_k = x_history + gamma v_k: docs/theory.md,
+/// equation 13. A v = M v_history + gamma (f + f_el(x_k)) + gamma^2 K v_k with A = M + gamma D + gamma^2 K, and f the
+/// sum of all terms. K is the Tangent asked for.
+///
+/// D = a M + b K' with the warped stiffness K' where the step's force is linearised first. So damping has a potential
 /// in each step, and the torques of the exact tangent do not enter it. Implicit terms add to A and f: see StepTerm.
 template <class Body>
 class LinearizedStep {
