@@ -40,8 +40,8 @@ enum class Tangent : std::uint8_t {
 /// the Hessian of the energy has besides the warped stiffness (Smith, de Goes & Kim 2019, "Analytic eigensystems for
 /// isotropic distortion energies", section 5, for energies in the invariants of S).
 ///
-/// The class keeps the symmetric matrix H = sum e_k (R n_k)(R n_k)^T / 2 mu of each quadrature point. Block (a, b) of
-/// an element is mu V [g_a]x H [g_b]x^T with g = R grad N.
+/// The class keeps the symmetric matrix H = sum kappa_k (R n_k)(R n_k)^T / 2 mu of each quadrature point. Block (a, b)
+/// of an element is mu V [g_a]x H [g_b]x^T with g = R grad N.
 template <std::floating_point Scalar>
 class TwistModes {
  public:
