@@ -41,6 +41,7 @@ test clang-format-16    clang-tools-extra       -               -
 test shellcheck         ShellCheck              shellcheck      shellcheck
 test codespell          codespell               codespell       codespell
 docs doxygen            doxygen                 doxygen         doxygen
+docs python3            python3                 python          python
 port clang-16           clang                   clang           llvm
 port libc++-16-dev      libcxx-devel            libc++          -
 port libc++abi-16-dev   libcxxabi-devel         libc++abi       -
