@@ -1,6 +1,7 @@
 """Documentation for users names what is there: files that docs/*.md link to exist, with the headings that they link to;
-README.md, docs and examples include headers of corotet that lie outside its folders; and each C++ file of docs/snippets is
-shown by a page or by the reference, each listing that names a region of one repeats it."""
+README.md, docs and examples include headers of corotet that lie outside its folders; each C++ file of docs/snippets is shown
+by a page or by the reference; each listing or comment that names a region of one repeats or finds it; and each of the main
+classes and functions has an example in its comment."""
 import re
 import sys
 from pathlib import Path
@@ -57,5 +58,19 @@ for page in pages:
         parts = re.split(rf"^ *//! \[{region}\]\n", source, flags=re.MULTILINE)
         if len(parts) != 3 or unindented(parts[1]) != unindented(listing):
             faults.append(f"{page.relative_to(root)}: the listing {name} {region} differs from docs/snippets/{name}")
+
+WITH_EXAMPLE = """AdaptiveStep AutoSolver Bdf2 BodyModel EmbeddedSurface ExecutorRef ImplicitEuler Integrator Materials PinReactions
+PointLocator Result SoftBody SolverOptions StepTerm TetMesh ThreadPool element_measures read_mesh save_snapshot solve_static
+write_vtu""".split()
+comment = re.compile(r"((?:^ *///.*\n)+)(?:^(?:template|  requires|\[\[nodiscard\]\] *$).*\n)*^.*?\b(\w+)(?: (?:final )?[:{]|;|\()", re.MULTILINE)
+with_example = set()
+for header in sorted(root.glob("include/corotet/**/*.hpp")):
+    for text, name in comment.findall(header.read_text()):
+        for source, region in re.findall(r"@snippet (\S+) (\S+)", text):
+            with_example.add(name)
+            file = root / "docs" / "snippets" / source
+            if not file.exists() or f"//! [{region}]\n" not in file.read_text():
+                faults.append(f"{header.relative_to(root)}: there is no region {region} in docs/snippets/{source}")
+faults += [f"the comment of {name} has no example" for name in WITH_EXAMPLE if name not in with_example]
 
 sys.exit("\n".join(faults) if faults else 0)
