@@ -1,7 +1,10 @@
-"""Documentation for users names what is there: files that docs/*.md link to exist, with the headings that they link to;
-README.md, docs and examples include headers of corotet that lie outside its folders; each C++ file of docs/snippets is shown
-by a page or by the reference; each listing or comment that names a region of one repeats or finds it; and each of the main
-classes and functions has an example in its comment."""
+"""Documentation for users names what is there.
+
+Files that docs/*.md link to exist, with the headings that they link to. README.md, docs and examples include headers of
+corotet that lie outside its folders. Each C++ file of docs/snippets is shown by a page or by the reference; each listing
+or comment that names a region of one repeats or finds it. Each of the main classes and functions has an example in its
+comment.
+"""
 import re
 import sys
 from pathlib import Path
@@ -46,7 +49,7 @@ for file in pages + sources:
         elif not (root / "include" / header).exists():
             faults.append(f"{file.relative_to(root)} includes <{header}>, which does not exist")
 
-shown = " ".join(path.read_text() for folder in ("docs", "include") for path in root.glob(f"{folder}/**/*.[mh]*") if path.is_file())
+shown = " ".join(path.read_text() for pattern in ("docs/**/*.md", "include/**/*.hpp") for path in root.glob(pattern))
 for source in sorted(root.glob("docs/snippets/*.cpp")):
     if source.name not in shown:
         faults.append(f"docs/snippets/{source.name} is shown nowhere")
