@@ -15,8 +15,8 @@
 #include <CGAL/make_mesh_3.h>
 
 #include <cmath>
-#include <corotet/mesh/io/read_medit.hpp>
-#include <corotet/mesh/raise_order.hpp>
+#include <corotet/io.hpp>
+#include <corotet/mesh.hpp>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>

@@ -7,7 +7,7 @@
 //   beam_gmsh [edge length / beam thickness, default 0.5]
 #include <gmsh.h>
 
-#include <corotet/mesh/raise_order.hpp>
+#include <corotet/mesh.hpp>
 #include <cstdio>
 #include <cstdlib>
 #include <unordered_map>

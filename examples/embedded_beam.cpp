@@ -4,14 +4,11 @@
 //
 //   embedded_beam [DIR, default "."] [frames, default 60]
 #include <cmath>
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/embed/embedded_surface.hpp>
-#include <corotet/mesh/element_lines.hpp>
-#include <corotet/mesh/io/write_animation_html.hpp>
-#include <corotet/mesh/io/write_filmstrip_svg.hpp>
-#include <corotet/mesh/io/write_pvd.hpp>
-#include <corotet/mesh/io/write_vtu.hpp>
-#include <corotet/mesh/make_block.hpp>
+#include <corotet/integrators.hpp>
+#include <corotet/io.hpp>
+#include <corotet/mesh.hpp>
+#include <corotet/soft_body.hpp>
+#include <corotet/surface.hpp>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>

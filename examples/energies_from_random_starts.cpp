@@ -1,14 +1,14 @@
-// Do other elastic laws bring a body home from where this library's does not? A block of ten elements is held at one
-// end, its other vertices start anywhere in its box, and it moves for 60 s (backward Euler, 1/60 s, no damping but the
-// integrator's). Five ways: the default, corotated with one solve a step, and by Newton's method with line search and
-// the exact tangent
+// Do other elastic laws return a body to rest from where this library's does not? A block of ten elements is held at
+// one end, its other vertices start anywhere in its box, and it moves for 60 s (backward Euler, 1/60 s, no damping but
+// the integrator's). Five ways: the default, corotated with one solve a step, and by Newton's method with line search
+// and the exact tangent
 //   corotated        mu |F - R|^2 + lambda/2 tr(S - I)^2, the library's;
 //   bounded pressure the same with the second term linear from |lambda tr(S - I)| = 0.15 mu on: another material where
 //                    volumes change by more than a tenth (Poisson's ratio 0.3);
 //   fixed corotated  mu |F - R|^2 + lambda/2 (J - 1)^2 (Stomakhin et al. 2012);
 //   neo-Hookean      the stable one, the library's (Smith, de Goes & Kim 2018, eq. 14).
 // The second and the third are written here, as any ElasticModel is: by the energy's derivatives in the stretches.
-// Prints how many come home, and of the others how many end at rest with and without inverted quadrature points.
+// Prints how many return to rest, and of the others how many end at rest with and without inverted quadrature points.
 //
 //   energies_from_random_starts [starts, default 40] [Poisson's ratio, default 0.3] [Tet4 | Tet10, default both]
 #include <algorithm>
@@ -241,7 +241,7 @@ int main(int argc, char** argv) {
   if (!(starts > 0 && poisson > -1 && poisson < 0.5 && known))
     return std::fprintf(stderr, "starts > 0, -1 < Poisson's ratio < 0.5 and Tet4 or Tet10 are needed\n"), 2;
   std::printf("%d random starts, Poisson's ratio %g\n\n", starts, poisson);
-  std::printf("| element | law | home | stuck, inverted | stuck, not inverted | still moving | solves a step |\n");
+  std::printf("| element | law | at rest | stuck, inverted | stuck, not inverted | still moving | solves a step |\n");
   std::printf("| --- | --- | --- | --- | --- | --- | --- |\n");
   if (element != "Tet10") all<Tet4>("Tet4", starts, poisson);
   if (element != "Tet4") all<Tet10>("Tet10", starts, poisson);

@@ -4,14 +4,12 @@
 //
 //   engine_queries
 #include <algorithm>
-#include <corotet/core/thread_pool.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/dynamics/measures.hpp>
-#include <corotet/embed/embedded_surface.hpp>
-#include <corotet/embed/point_locator.hpp>
-#include <corotet/embed/point_on_body.hpp>
-#include <corotet/mesh/boundary.hpp>
-#include <corotet/mesh/make_block.hpp>
+#include <corotet/integrators.hpp>
+#include <corotet/measures.hpp>
+#include <corotet/mesh.hpp>
+#include <corotet/points.hpp>
+#include <corotet/surface.hpp>
+#include <corotet/thread_pool.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>

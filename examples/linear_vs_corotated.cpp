@@ -3,10 +3,8 @@
 // writes each static shape of the first as DIR/<model>.vtu.
 //
 //   linear_vs_corotated [DIR] [cells along the beam, default 20]
-#include <corotet/mesh/io/write_vtu.hpp>
-#include <corotet/rotation/gram_schmidt.hpp>
-#include <corotet/rotation/identity.hpp>
-#include <corotet/rotation/polar.hpp>
+#include <corotet/io.hpp>
+#include <corotet/models.hpp>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>

@@ -4,9 +4,9 @@
 //   natural_frequencies
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <corotet/assembly/assemble.hpp>
-#include <corotet/core/eigen.hpp>
-#include <corotet/solve/block_cholesky.hpp>
+#include <corotet/eigen.hpp>
+#include <corotet/matrices.hpp>
+#include <corotet/solvers.hpp>
 #include <cstdio>
 
 #include "self_weight_beam.hpp"

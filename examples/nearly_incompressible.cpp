@@ -1,4 +1,4 @@
-// Volumetric locking and its cure: the tables of docs/elements.md.
+// Volumetric locking and its cure: the tables of docs/benchmarks/elements.md.
 //
 //   nearly_incompressible [quick | solid | MESH...]
 //
@@ -9,9 +9,9 @@
 //   ms a step    median over one second of a fall at poisson 0.499, where the solid hangs down by 0.65 m: float,
 //                backward Euler at 1/60 s, solver tolerance 1e-3, one thread; and the iterations of a solve
 //   short        steps of the 60 in which float's rounding kept the solver from its tolerance
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/mesh/io/read_mesh.hpp>
-#include <corotet/mesh/raise_order.hpp>
+#include <corotet/integrators.hpp>
+#include <corotet/io.hpp>
+#include <corotet/mesh.hpp>
 #include <cstdio>
 #include <ctime>
 #include <optional>

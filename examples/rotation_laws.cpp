@@ -7,13 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <corotet/assembly/elasticity.hpp>
-#include <corotet/assembly/mass.hpp>
-#include <corotet/mesh/make_block.hpp>
-#include <corotet/rotation/gram_schmidt.hpp>
-#include <corotet/rotation/identity.hpp>
-#include <corotet/rotation/polar.hpp>
-#include <corotet/rotation/quaternion.hpp>
+#include <corotet/matrices.hpp>
+#include <corotet/mesh.hpp>
+#include <corotet/models.hpp>
+#include <corotet/types.hpp>
 #include <cstdio>
 #include <cstdlib>
 

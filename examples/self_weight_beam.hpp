@@ -2,8 +2,10 @@
 #pragma once
 
 #include <algorithm>
-#include <corotet/dynamics/static_solve.hpp>
-#include <corotet/mesh/make_block.hpp>
+#include <corotet/integrators.hpp>
+#include <corotet/mesh.hpp>
+#include <corotet/soft_body.hpp>
+#include <corotet/static_solve.hpp>
 #include <cstdio>
 #include <utility>
 

@@ -1,4 +1,4 @@
-// Time of a step beside its error: the table of README.md, and those of docs/elements.md.
+// Time of a step beside its error: the table of README.md, and those of docs/benchmarks/elements.md.
 //
 //   speed_against_error [readme | elements | quick]
 //
@@ -7,8 +7,8 @@
 //   in SpMV     the same, in products of the body's 3x3-block float matrix with a vector, timed in the same run
 //   tip error   of the drop at rest, in double, solver tolerance 1e-8, against the converged 3D solution: space alone
 //   algebra     largest difference of the float tip's path to one in double with tolerance 1e-10, of the length
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/rotation/per_element.hpp>
+#include <corotet/integrators.hpp>
+#include <corotet/models.hpp>
 #include <cstdio>
 #include <ctime>
 #include <string>

@@ -4,8 +4,8 @@
 //
 //   spring_beam [quick]
 #include <array>
-#include <corotet/assembly/assemble.hpp>
-#include <corotet/solve/block_cholesky.hpp>
+#include <corotet/matrices.hpp>
+#include <corotet/solvers.hpp>
 #include <cstdio>
 #include <cstring>
 #include <memory>

@@ -14,6 +14,7 @@ die() {
 #   demo  the library and its first example                run   the program and all examples
 #   gpl   the examples that link GPL libraries
 #   test  the tests, sanitizers, fuzzing and linting       port  other compilers, systems and processors
+#   docs  the reference of the API
 packages() {
   cat <<'TABLE'
 demo g++                gcc-c++                 gcc             -
@@ -38,6 +39,9 @@ test libclang-rt-16-dev compiler-rt             compiler-rt     -
 test clang-tidy-16      clang-tools-extra       -               -
 test clang-format-16    clang-tools-extra       -               -
 test shellcheck         ShellCheck              shellcheck      shellcheck
+test codespell          codespell               codespell       codespell
+docs doxygen            doxygen                 doxygen         doxygen
+docs python3            python3                 python          python
 port clang-16           clang                   clang           llvm
 port libc++-16-dev      libcxx-devel            libc++          -
 port libc++abi-16-dev   libcxxabi-devel         libc++abi       -

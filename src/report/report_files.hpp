@@ -9,7 +9,7 @@
 
 namespace corotet::program {
 
-/// One line a row, all studies: docs/report.md describes the columns.
+/// One line a row, all studies: docs/benchmarks/report.md describes the columns.
 [[nodiscard]] std::string format_csv(const std::vector<StudyReport>& reports);
 
 /// The page that shows the plots and says what they say. `command`: what printed it.

@@ -40,7 +40,7 @@ void expect_recovery(const std::array<double, 2>& damping, bool slow, double off
     for (const double h : {1.0 / 60, 0.1})
       for (const Start& start : starts) {
         // From a point a nearly incompressible body of 10-node elements may come to another minimum of the energy, in
-        // which no quadrature point is inverted: docs/hard_cases.md.
+        // which no quadrature point is inverted: docs/benchmarks/hard_cases.md.
         const bool hard = Element::order == 2 && poisson > 0.49;
         const bool may_be_stuck = hard && (start.factor.norm() == 0 || (slow && h > 0.05));
         Body body =

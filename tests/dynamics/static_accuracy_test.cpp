@@ -133,7 +133,7 @@ double bending(Index cells_through, BlockSplit split, double poisson, Dilatation
 }
 
 /// The same of the converged 3D solid, +-0.001: 10-node elements, 6 cells through the thickness, by the small-strain
-/// program described in docs/elements.md. A clamp holds a solid that cannot shrink sideways more firmly.
+/// program described in docs/benchmarks/elements.md. A clamp holds a solid that cannot shrink sideways more firmly.
 constexpr double solid_45 = 0.9893, solid_499 = 0.9838;
 
 /// Two cells through the thickness: with mean dilatation, the share of the true deflection that a mesh reaches at

@@ -4,10 +4,14 @@
 Usage: check_headers.py RULE INCLUDE_DIR [--opt-in HEADER ...]
 
 RULE is one of
-  layers     a header includes only its own folder and the folders below it
+  layers     a header includes only its own folder and the folders below it; a face header, which lies outside the
+             folders, includes headers of the folders alone
+  alone      what few programs need (files, mesh generation) is reached by its own face header alone
   forbidden  no exceptions, RTTI, printing or exiting, no macro but COROTET_... and no name that is one elsewhere
   length     under 500 lines a header, at most 120 characters a line
-  umbrella   corotet/corotet.hpp reaches every header but the opt-in ones, and none of those
+  umbrella   corotet/corotet.hpp includes the face headers alone, all but the opt-in ones, and through them reaches every
+             header but the opt-in ones, which opt-in face headers reach; and at its top, while macros of platforms are
+             put aside, every header of the standard library that any of these includes
 Prints one line a violation, as file:line: reason, and ends with 1 if there is any.
 """
 
@@ -18,6 +22,9 @@ from pathlib import Path
 
 # Lowest first. Element comes before mesh because a mesh is a template over its element.
 LAYERS = ["core", "element", "mesh", "rotation", "material", "assembly", "solve", "terms", "dynamics", "embed", "scene"]
+
+# The one face header that includes headers of a folder.
+ALONE = {"corotet/mesh/io/": "corotet/io.hpp", "corotet/mesh/stuffing/": "corotet/meshing.hpp"}
 
 FORBIDDEN = [
     (r"\bthrow\b|\btry\b|\bcatch\b", "the library does not use exceptions: return a Result"),
@@ -37,7 +44,10 @@ FORBIDDEN = [
 # Those two put such macros aside.
 MACRO_HEADERS = ("corotet/core/macros_off.hpp", "corotet/core/macros_on.hpp")
 
+UMBRELLA = "corotet/corotet.hpp"
+
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"](corotet/[^>"]+)[>"]', re.MULTILINE)
+STANDARD = re.compile(r"^\s*#\s*include\s*<([a-z_]+)>", re.MULTILINE)
 # Comments, string, raw string and character literals (a digit separator such as 1'000 is not the start of a literal).
 INERT = re.compile(
     r'R"([^\s()\\]{0,16})\(.*?\)\1"|//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|(?<![0-9A-Fa-f])\'(?:\\.|[^\'\\\n])+\'', re.DOTALL
@@ -66,14 +76,15 @@ def layer_of(header):
     return parts[1] if len(parts) > 2 else None
 
 
+def is_face(header):
+    """Whether users include it by name."""
+    return layer_of(header) is None and header != UMBRELLA
+
+
 def check_layers(headers, _opt_in):
     for name, path in headers.items():
         layer = layer_of(name)
-        if layer is None:
-            if name != "corotet/corotet.hpp":
-                yield f"{name}:1: only corotet.hpp lies outside the folders {', '.join(LAYERS)}"
-            continue
-        if layer not in LAYERS:
+        if layer is not None and layer not in LAYERS:
             yield f"{name}:1: folder {layer} has no place in the order {' < '.join(LAYERS)}"
             continue
         text = path.read_text(encoding="utf-8")
@@ -81,7 +92,11 @@ def check_layers(headers, _opt_in):
             target, where = match.group(1), f"{name}:{line_of(text, match.start(1))}"
             if target not in headers:
                 yield f"{where}: includes {target}, which does not exist"
-            elif layer_of(target) not in LAYERS or LAYERS.index(layer_of(target)) > LAYERS.index(layer):
+            elif name == UMBRELLA:
+                continue
+            elif layer_of(target) not in LAYERS:
+                yield f"{where}: only {UMBRELLA} may include {target}, a header for users"
+            elif layer is not None and LAYERS.index(layer_of(target)) > LAYERS.index(layer):
                 yield f"{where}: {layer} may not include {target}; the order is {' < '.join(LAYERS)}"
 
 
@@ -105,26 +120,58 @@ def check_length(headers, _opt_in):
                 yield f"{name}:{number}: {len(line)} characters; a line has at most 120"
 
 
-def check_umbrella(headers, opt_in):
-    root = "corotet/corotet.hpp"
-    if root not in headers:
-        yield f"{root}:1: does not exist"
-        return
-    reached, waiting = set(), [root]
+def reached_from(headers, names):
+    """All headers that these include, with themselves."""
+    reached, waiting = set(), list(names)
     while waiting:
         name = waiting.pop()
-        if name in reached or name not in headers:
-            continue
-        reached.add(name)
-        waiting += INCLUDE.findall(headers[name].read_text(encoding="utf-8"))
+        if name in headers and name not in reached:
+            reached.add(name)
+            waiting += INCLUDE.findall(headers[name].read_text(encoding="utf-8"))
+    return reached
+
+
+def check_alone(headers, _opt_in):
+    for name in filter(is_face, headers):
+        for reached in sorted(reached_from(headers, [name])):
+            for folder, face in ALONE.items():
+                if reached.startswith(folder) and name != face:
+                    yield f"{name}:1: reaches {reached}, which only {face} may"
+
+
+def check_umbrella(headers, opt_in):
+    if UMBRELLA not in headers:
+        yield f"{UMBRELLA}:1: does not exist"
+        return
+    text = headers[UMBRELLA].read_text(encoding="utf-8")
+    for name in INCLUDE.findall(text):
+        if not is_face(name) and name not in MACRO_HEADERS:
+            yield f"{UMBRELLA}:1: includes {name}, which is not a face header"
+    reached = reached_from(headers, [UMBRELLA])
+    by_name = reached_from(headers, [name for name in opt_in if is_face(name)])
     for name in headers:
         if name in opt_in and name in reached:
-            yield f"{root}:1: reaches {name}, which is opt-in"
+            yield f"{UMBRELLA}:1: reaches {name}, which is opt-in"
+        if name in opt_in and name not in by_name:
+            yield f"{name}:1: no opt-in face header includes it"
         if name not in opt_in and name not in reached:
-            yield f"{root}:1: does not reach {name}: include it there"
+            yield f"{UMBRELLA}:1: does not reach {name}: a face header must include it"
+
+    before, _, after = text.partition(MACRO_HEADERS[0])
+    listed = set(STANDARD.findall(after.partition(MACRO_HEADERS[1])[0]))
+    for name in sorted(reached - {UMBRELLA}):
+        for standard in STANDARD.findall(headers[name].read_text(encoding="utf-8")):
+            if standard not in listed:
+                yield f"{UMBRELLA}:1: does not list <{standard}>, which {name} includes"
 
 
-RULES = {"layers": check_layers, "forbidden": check_forbidden, "length": check_length, "umbrella": check_umbrella}
+RULES = {
+    "layers": check_layers,
+    "alone": check_alone,
+    "forbidden": check_forbidden,
+    "length": check_length,
+    "umbrella": check_umbrella,
+}
 
 
 def violations(rule, include_dir, opt_in=()):

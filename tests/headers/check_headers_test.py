@@ -90,16 +90,64 @@ static_assert(true); trap_on_assert(); at(i); std::snprintf(b, n, f); retry(); o
         self.assertEqual(self.run_rule("length", {"corotet/core/a.hpp": "x" * 120}), [])
         self.assertEqual(len(self.run_rule("length", {"corotet/core/a.hpp": "x" * 121})), 1)
 
-    def test_umbrella_reaches_all_but_the_opt_in_headers(self):
+    def test_face_headers_include_the_folders_and_only_the_umbrella_includes_them(self):
         files = {
-            "corotet/corotet.hpp": "#include <corotet/mesh/b.hpp>\n",
-            "corotet/mesh/b.hpp": "#include <corotet/core/a.hpp>\n",
+            "corotet/corotet.hpp": "#include <corotet/face.hpp>\n",
+            "corotet/face.hpp": "#include <corotet/core/a.hpp>\n",
             "corotet/core/a.hpp": "",
-            "corotet/core/extra.hpp": "",
         }
-        self.assertEqual(self.run_rule("umbrella", files, ["corotet/core/extra.hpp"]), [])
-        self.assertEqual(len(self.run_rule("umbrella", files)), 1)
-        self.assertEqual(len(self.run_rule("umbrella", files, ["corotet/core/extra.hpp", "corotet/core/a.hpp"])), 1)
+        self.assertEqual(self.run_rule("layers", files), [])
+        inside = files | {"corotet/core/a.hpp": "#include <corotet/face.hpp>\n"}
+        self.assertEqual(len(self.run_rule("layers", inside)), 1)
+        beside = files | {"corotet/other.hpp": "#include <corotet/face.hpp>\n"}
+        self.assertEqual(len(self.run_rule("layers", beside)), 1)
+
+    def test_files_are_reached_by_their_face_header_alone(self):
+        files = {
+            "corotet/io.hpp": "#include <corotet/mesh/io/read.hpp>\n",
+            "corotet/mesh/io/read.hpp": "",
+            "corotet/mesh/b.hpp": "#include <corotet/mesh/io/read.hpp>\n",
+        }
+        self.assertEqual(self.run_rule("alone", files), [])
+        dragged = files | {"corotet/face.hpp": "#include <corotet/mesh/b.hpp>\n"}
+        self.assertEqual(len(self.run_rule("alone", dragged)), 1)
+
+    UMBRELLA = {
+        "corotet/corotet.hpp": "#include <corotet/core/macros_off.hpp>\n#include <vector>\n"
+        "#include <corotet/core/macros_on.hpp>\n#include <corotet/face.hpp>\n",
+        "corotet/face.hpp": "#include <corotet/mesh/b.hpp>\n",
+        "corotet/mesh/b.hpp": "#include <corotet/core/a.hpp>\n",
+        "corotet/core/a.hpp": "#include <vector>\n",
+        "corotet/core/macros_off.hpp": "",
+        "corotet/core/macros_on.hpp": "",
+        "corotet/extra.hpp": "#include <corotet/core/extra.hpp>\n",
+        "corotet/core/extra.hpp": "#include <map>\n",
+    }
+    OPT_IN = ["corotet/extra.hpp", "corotet/core/extra.hpp"]
+
+    def test_umbrella_reaches_all_but_the_opt_in_headers(self):
+        self.assertEqual(self.run_rule("umbrella", self.UMBRELLA, self.OPT_IN), [])
+        self.assertEqual(len(self.run_rule("umbrella", self.UMBRELLA)), 2)
+        self.assertEqual(len(self.run_rule("umbrella", self.UMBRELLA | {"corotet/mesh/c.hpp": ""}, self.OPT_IN)), 1)
+
+    def test_umbrella_reaches_no_opt_in_header_and_an_opt_in_face_header_reaches_each(self):
+        reaching = self.UMBRELLA | {"corotet/core/a.hpp": "#include <corotet/core/extra.hpp>\n"}
+        found = self.run_rule("umbrella", reaching, self.OPT_IN)
+        self.assertEqual(sum("which is opt-in" in line for line in found), 1, found)
+        lonely = self.UMBRELLA | {"corotet/extra.hpp": ""}
+        self.assertEqual(len(self.run_rule("umbrella", lonely, self.OPT_IN)), 1)
+
+    def test_umbrella_includes_no_header_of_the_folders(self):
+        root = self.UMBRELLA["corotet/corotet.hpp"] + "#include <corotet/core/a.hpp>\n"
+        self.assertEqual(len(self.run_rule("umbrella", self.UMBRELLA | {"corotet/corotet.hpp": root}, self.OPT_IN)), 1)
+
+    def test_umbrella_lists_headers_of_the_standard_library_where_macros_are_put_aside(self):
+        a = self.UMBRELLA | {"corotet/core/a.hpp": "#include <vector>\n#include <map>\n"}
+        found = self.run_rule("umbrella", a, self.OPT_IN)
+        self.assertEqual(len(found), 1)
+        self.assertIn("<map>", found[0])
+        late = a | {"corotet/corotet.hpp": self.UMBRELLA["corotet/corotet.hpp"] + "#include <map>\n"}
+        self.assertEqual(len(self.run_rule("umbrella", late, self.OPT_IN)), 1)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ using corotet::testing::ProgramTest;
 
 class StressCommand : public ProgramTest {};
 
-/// What the default configuration passes stays passed; docs/hard_cases.md holds the whole table.
+/// What the default configuration passes stays passed; docs/benchmarks/hard_cases.md holds the whole table.
 TEST_F(StressCommand, TheDefaultsPassCasesThatBreakOthers) {
   const Outcome outcome = corotet(
       "stress flat line stretch hang-.1 spin-.1-1 bad-step bad-file far step-.1 step-1 "

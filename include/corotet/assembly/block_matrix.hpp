@@ -14,7 +14,7 @@
 namespace corotet::inline v0_1 {
 
 /// The values of a symmetric matrix on a BlockPattern, which it shares. Both triangles are stored, so that rows can be
-/// multiplied side by side; one triangle alone is a quarter faster on one thread (docs/speed.md).
+/// multiplied side by side; one triangle alone is a quarter faster on one thread (docs/benchmarks/speed.md).
 /// B = 3: a body's vertices; B = 6: rigid aggregates of them.
 template <std::floating_point Scalar, int B = 3>
 class BlockMatrix {

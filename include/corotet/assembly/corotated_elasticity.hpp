@@ -34,11 +34,11 @@ namespace corotet::inline v0_1 {
 /// made of. What depends on the displacement is written into an ElasticEvaluation, so that one law can serve several
 /// bodies and threads.
 ///
-/// With S = R^T F at a quadrature point, strain e = sym(S) - I and stress s = 2 mu e + lambda tr(e) I, the energy is
-/// W = sum V (mu |e|^2 + lambda/2 tr(e)^2) and the force on node a is f_a = -sum V R s grad N_a, which equals
-/// R K_e (R^T x - X) with a minus sign. With Polar rotations at each quadrature point f is exactly -dW/dx (Chao,
-/// Pinkall, Sanan & Schröder 2010, section 4.1), where it is clear which rotation is nearest (clear_choice). With
-/// Dilatation::mean, tr(e) is a mean over several points instead: see MeanDilatation.
+/// With S = R^T F at a quadrature point, strain e = sym(S) - I and stress sigma = 2 mu e + lambda tr(e) I, the energy
+/// is W = sum V (mu |e|^2 + lambda/2 tr(e)^2) and the force on node a is f_a = -sum V R sigma grad N_a: docs/theory.md,
+/// equations 3 to 5. With Polar rotations at each quadrature point f is exactly -dW/dx (Chao, Pinkall, Sanan & Schröder
+/// 2010, section 4.1), where it is clear which rotation is nearest (clear_choice). With Dilatation::mean, tr(e) is a
+/// mean over several points instead: see MeanDilatation.
 template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
 class CorotatedElasticity {
  public:

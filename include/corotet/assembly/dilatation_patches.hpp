@@ -33,7 +33,7 @@ namespace detail {
 ///     come out whole, with either split.
 ///  2. A patch of less than five elements joins the neighbour with which it shares most surface for its size, as long
 ///     as that gives at most twelve vertices.
-/// That leaves some six degrees of freedom for each patch of an unstructured mesh (docs/elements.md).
+/// That leaves some six degrees of freedom for each patch of an unstructured mesh (docs/benchmarks/elements.md).
 class PatchGrower {
  public:
   template <std::floating_point Scalar, LinearTetrahedron Element>

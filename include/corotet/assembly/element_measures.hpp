@@ -24,15 +24,15 @@ struct ElementMeasures {
   Mat3<Scalar> deformation_gradient;  ///< F
   Mat3<Scalar> rotation;              ///< R of the mean F, by the law's rotation extractor
   Mat3<Scalar> strain;                ///< R e R^T, e = sym(R^T F) - I
-  /// R s R^T, Pa, with the Biot stress s = 2 mu e + lambda tr(e) I: s : de is the change of energy density. Equals the
-  /// Cauchy stress to first order in the strain. With mean dilatation, its pressure is that of the mean.
+  /// R sigma R^T, Pa, with the Biot stress sigma = 2 mu e + lambda tr(e) I: sigma : de is the change of energy density.
+  /// Equals the Cauchy stress to first order in the strain. With mean dilatation, its pressure is that of the mean.
   Mat3<Scalar> stress;
   Scalar volume;          ///< at rest, m^3
   Scalar volume_ratio;    ///< det F: present volume over volume at rest; <= 0 where inverted
   Scalar energy_density;  ///< J per m^3 at rest; with mean dilatation over patches, with the element's share of that
   Scalar von_mises;       ///< of `stress`, Pa
 
-  /// P F^T / det F with P = R s, Pa: the force on an area of the deformed body. Needs volume_ratio > 0.
+  /// P F^T / det F with P = R sigma, Pa: the force on an area of the deformed body. Needs volume_ratio > 0.
   [[nodiscard]] Mat3<Scalar> cauchy_stress() const {
     return stress * rotation * deformation_gradient.transpose() / volume_ratio;
   }

@@ -34,10 +34,10 @@ template <class Batch, std::floating_point Scalar, std::size_t points>
 /// rotations, R^T F symmetric, that is nearest to the rotation of the element's mean F: that of the largest tr(R^T F)
 /// as long as points do not differ by a half turn or so, so that nothing jumps. Each point for itself would undo its
 /// inversion along its own direction of least stretch; points then come to rest turned against each other, at a local
-/// minimum of the energy: docs/hard_cases.md. (Schmedding & Teschner 2008 choose the direction of inversion for an
-/// element with one point.) Not in an element that is pulled long and thin: it does not unfold, and its rotation about
-/// its long axis is ill-determined. R^T F stays symmetric, so that the force is the gradient of an energy, and without
-/// torque (but for clear_choice). Costs nothing where no element of the batch is concerned.
+/// minimum of the energy: docs/benchmarks/hard_cases.md. (Schmedding & Teschner 2008 choose the direction of inversion
+/// for an element with one point.) Not in an element that is pulled long and thin: it does not unfold, and its rotation
+/// about its long axis is ill-determined. R^T F stays symmetric, so that the force is the gradient of an energy, and
+/// without torque (but for clear_choice). Costs nothing where no element of the batch is concerned.
 template <RotationExtractor Rotation, class Batch, std::floating_point Scalar, std::size_t points>
 void extract_rotations(const Batch& batch, const std::array<Mat3Lanes<Scalar>, points>& f, const Lanes<Scalar>& least,
                        std::array<Mat3Lanes<Scalar>, points>& r) {

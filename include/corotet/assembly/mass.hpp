@@ -16,6 +16,7 @@
 
 namespace corotet::inline v0_1 {
 
+/// How the mass of an element is spread over its nodes.
 enum class MassModel {
   /// Diagonal of the consistent matrix, scaled to the element's mass (Hinton, Rock & Zienkiewicz 1976). For Tet4 the
   /// same as row sums: a quarter of the element on each node; for Tet10, whose row sums are negative at the corners,

@@ -29,13 +29,12 @@ enum class Dilatation {
 };
 
 /// Mean dilatation (Nagtegaal, Parks & Rice 1974; Hughes 1980; over patches of linear tetrahedra: de Souza Neto,
-/// Andrade Pires & Owen 2005). Lamé's lambda is split in two. `pointwise` of it acts at each quadrature point as ever.
-/// The rest, m = lambda - pointwise >= 0, acts on the mean: with weights w = m V,
+/// Andrade Pires & Owen 2005): docs/theory.md, equation 10. Lamé's lambda is split in two. `pointwise` of it acts at
+/// each quadrature point. The remainder m = lambda - pointwise >= 0 acts on the mean: with weights w = m V,
 ///   W = sum over patches (sum w) theta_P^2 / 2, theta_P = (sum w theta) / (sum w).
-/// Where m differs within a patch, the stiffer points thus count for more; a uniform theta has the energy it had.
-/// d theta/dx_a = R grad N_a (with Polar, exactly), so that the force of the mean part on a node is
-/// -sum w theta_P R grad N_a, minus the gradient of W, and its warped stiffness is the one rank-one matrix g g^T a
-/// patch with g_a = (sum w R grad N_a) / sqrt(sum w).
+/// Where m differs within a patch, the stiffer points count for more. A uniform theta has the energy that it has
+/// without the mean. The force on a node is -sum w theta_P R grad N_a, minus the gradient of W. The warped stiffness is
+/// one rank-one matrix b b^T a patch with b_a = (sum w R grad N_a) / sqrt(sum w).
 ///
 /// Tet4: all of lambda >= 0 acts on the mean over a patch, see DilatationPatches; the vertices of a patch are coupled
 /// with each other. Tet10: what exceeds 2 mu acts on the mean over the element, so that up to nu = 1/3 nothing changes

@@ -19,7 +19,7 @@ namespace corotet::inline v0_1 {
 /// converged; with one solve a step they differ.
 enum class Tangent : std::uint8_t {
   /// The warped stiffness R K_e R^T (Müller & Gross 2004): semi-definite, keeps the spin of a free body. One solve a
-  /// step buzzes for ever in a body that is held stretched to about three times its length.
+  /// step keeps vibrating in a body that is held stretched to about three times its length.
   plain,
   /// Adds to each twist mode what its stiffness exceeds mu/2 by, or less in steps that are longer than sound takes
   /// through the body's thickness: nothing in ordinary scenes, and rest for a body that is held stretched or hangs.
@@ -27,7 +27,7 @@ enum class Tangent : std::uint8_t {
   /// Adds all of each twist mode: the Hessian of the energy, with which Newton's iteration converges quadratically.
   /// Where that makes a step's matrix indefinite, the step goes on with the modes' positive parts alone, each point's
   /// part of the Hessian projected to semi-definite (Teran et al. 2005; on demand: Longva et al. 2023, "Pitfalls of
-  /// projection"). One solve a step of it brakes spin.
+  /// projection"). One solve a step of it damps spin.
   exact
 };
 
@@ -36,14 +36,12 @@ enum class Tangent : std::uint8_t {
   return tangent == Tangent::plain ? "plain" : tangent == Tangent::exact ? "exact" : "stretch_stable";
 }
 
-/// The twist modes of one state of a body, as the tangent wants them. With F = R S, stretches s_k along n_k and
-/// stresses sigma_k, the energy density's Hessian has the eigenvectors R [n_k]x / sqrt 2 with the eigenvalues (sigma_i
-/// + sigma_j) / (s_i + s_j) = 2 mu + (2 p - 4 mu) / (s_i + s_j), where p = lambda tr(S - I) and i, j are the other two
-/// of 0, 1, 2. It has six more modes, and those are the warped stiffness. (Smith, de Goes & Kim 2019, "Analytic
-/// eigensystems for isotropic distortion energies", section 5, for energies in the invariants of S.)
+/// The twist modes of one state of a body, as the tangent wants them: docs/theory.md, equations 7 and 8. They are what
+/// the Hessian of the energy has besides the warped stiffness (Smith, de Goes & Kim 2019, "Analytic eigensystems for
+/// isotropic distortion energies", section 5, for energies in the invariants of S).
 ///
-/// Kept is the symmetric matrix H = sum e_k (R n_k)(R n_k)^T / 2 mu of each quadrature point, from which block (a, b)
-/// of an element follows as mu V [g_a]x H [g_b]x^T with g = R grad N.
+/// The class keeps the symmetric matrix H = sum kappa_k (R n_k)(R n_k)^T / 2 mu of each quadrature point. Block (a, b)
+/// of an element is mu V [g_a]x H [g_b]x^T with g = R grad N.
 template <std::floating_point Scalar>
 class TwistModes {
  public:

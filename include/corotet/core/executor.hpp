@@ -38,8 +38,12 @@ struct SerialExecutor {
   }
 };
 
-/// Refers to an executor of any type, which must outlive it; made from nothing, to the serial one. Functions take their
-/// executor so: they are compiled once, and compute the same bits with every executor.
+/// A reference to a parallel loop of the caller, of any type; made from nothing, to the serial one.
+///
+/// Each call that works hard takes one, so that the library uses the threads that a program has. ThreadPool is one for
+/// programs that have none. Results are the same bits with every executor.
+/// @snippet steps.cpp executor
+/// The executor must outlive the reference.
 class ExecutorRef {
  public:
   ExecutorRef() : object_(nullptr), run_([](void*, Index count, TaskRef task) { SerialExecutor()(count, task); }) {}

@@ -63,7 +63,11 @@ class OptionalError {
 
 }  // namespace detail
 
-/// Holds a `T`, or the `Error` that prevented it. Test it before use; reading the wrong side is an assertion.
+/// A `T`, or the `Error` that prevented it. Test it before use; reading the wrong side is an assertion.
+///
+/// All functions that depend on data (a file, a mesh, a material) return one; nothing throws. Mistakes of the calling
+/// program are assertions instead: see COROTET_ASSERT.
+/// @snippet files.cpp result
 template <class T>
 class [[nodiscard]] Result {
  public:

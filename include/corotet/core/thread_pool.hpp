@@ -12,7 +12,12 @@
 
 namespace corotet::inline v0_1 {
 
-/// An Executor: `pool(count, task)` calls task(0) ... task(count - 1), each once, on the pool's threads and the calling
+/// An executor of threads of its own.
+///
+/// Use it in a program without a job system. In an engine give the engine's parallel loop to each call instead: see
+/// ExecutorRef.
+/// @snippet queries.cpp pool
+/// `pool(count, task)` calls task(0) ... task(count - 1), each once, on the pool's threads and the calling
 /// one. Tasks must not throw and must not call the pool. One thread at a time may call it. A call allocates nothing.
 ///
 /// A step has hundreds of parallel loops of some tens of microseconds: less than it takes to wake a thread. So threads

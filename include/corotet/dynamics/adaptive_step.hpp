@@ -32,6 +32,7 @@ enum class Untrusted : std::uint8_t {
   return otherwise == Untrusted::accept ? "accept" : otherwise == Untrusted::refuse ? "refuse" : "divide";
 }
 
+/// Which steps AdaptiveStep trusts, and what it does with the others.
 struct TrustOptions {
   Untrusted otherwise = Untrusted::divide;
   int most_halvings = 4;           ///< of the step, 0 ... 30: 4 means at most 16 steps instead of one
@@ -41,8 +42,13 @@ struct TrustOptions {
   double largest_strain_growth = 0.5;
 };
 
-/// An integrator around an integrator. The report is that of the steps that were kept, together: iterations are summed,
-/// of residuals the worst counts, deformation is that at the end.
+/// An integrator around an integrator: it divides, refuses or marks steps that cannot be trusted.
+///
+/// Use it where pins jump, forces are hard or steps are long. It does not control the error of time integration: choose
+/// Bdf2 or a shorter step for that.
+/// @snippet steps.cpp adaptive
+/// The report joins those of the steps that were kept: iterations are summed, of residuals the largest counts, and
+/// deformation is that at the end.
 ///
 /// Pins go to their targets in a straight line at equal speed during the sub-steps of a step; forces stay. Costs a copy
 /// of the state a step (`accept`: nothing) as long as steps can be trusted. A Bdf2 begins anew after a division, by a

@@ -28,20 +28,16 @@
 
 namespace corotet::inline v0_1 {
 
-/// v' = v_history + gamma M^-1 (f_ext + f_el(x') - D v'), x' = x_history + gamma v'. With steps of equal length
-/// gamma = 2h/3, x_history = (4 x - x_before) / 3 and v_history likewise; in general, with w = h / h_before,
-/// gamma = h (1 + w) / (1 + 2 w) and x_history = x + w^2 / (1 + 2 w) (x - x_before) (Hairer, Nørsett & Wanner 1993,
-/// section III.5).
+/// The backward differentiation formula of second order for steps of any length: docs/theory.md, equation 12 (Hairer,
+/// Nørsett & Wanner 1993, section III.5).
 ///
-/// The force is linearised where the body would be after the step at its present velocity, and pins at their targets:
-/// with one solve a step the error stays O(h^2) although the warped stiffness is not the exact tangent. Less far ahead
-/// where motion is not smooth, for only near that line is the formula stable with another tangent than the exact: see
-/// `extrapolate`.
+/// The force is linearised where the body would be after the step at its present velocity, and pins at their targets.
+/// With one solve a step the error then stays O(h^2), although the warped stiffness is not the exact tangent. Where
+/// motion is not smooth the force is linearised less far ahead, for stability: see `extrapolate`.
 ///
 /// A step that does not continue the last one is of backward Euler: the first, one after the caller set displacements
-/// or velocities, one that is more than twice as long as the step before (zero-stability ends at 1 + sqrt 2), and those
-/// that start with inverted elements, whose rotations jump: a second derivative in time means nothing there, and
-/// backward Euler brings nearly incompressible ones home.
+/// or velocities, one that is more than twice as long as the step before (zero-stability ends at 1 + sqrt 2), and one
+/// that starts with inverted elements. Their rotations jump, so that a second derivative in time means nothing there.
 template <class Body>
 class Bdf2Scheme {
  public:
@@ -165,8 +161,13 @@ class Bdf2Scheme {
   Revision motion_;  // of the state after the last step, if it can be continued
 };
 
-/// The integrator of second order: see Bdf2Scheme. Error O(h^2); vibrations much faster than a step are damped within a
-/// few steps, as by backward Euler (L-stable), slow ones hardly.
+/// The integrator of second order, BDF2: error O(h^2), little damping of slow vibrations.
+///
+/// Use it where motion is compared with measurement or another program, or must keep its energy. ImplicitEuler takes
+/// less time a step and damps more. Vibrations much faster than a step are damped within a few steps (L-stable).
+/// @snippet steps.cpp bdf2
+/// The scheme is equation 12 of docs/theory.md. A step that does not continue the last one, as after set_displacements,
+/// is of backward Euler. Steps may differ in length.
 template <class Body, class Solver = AutoSolver<typename Body::scalar_type>>
   requires LinearSolver<Solver, typename Body::scalar_type>
 class Bdf2 {

@@ -23,6 +23,7 @@
 
 namespace corotet::inline v0_1 {
 
+/// How a body is discretised.
 struct BodyOptions {
   MassModel mass = MassModel::lumped;
   RayleighDamping damping = {};
@@ -31,7 +32,11 @@ struct BodyOptions {
   VertexGroups couplings = {};
 };
 
-/// Immutable, and shared by any number of bodies: 1,000 copies of a body hold one model and 1,000 states.
+/// What copies of a body share: mesh, elastic law, mass and the pattern of the matrix. It is immutable.
+///
+/// Use it where a scene has several bodies of one mesh and material: each SoftBody of the model holds only its state.
+/// For a single body, SoftBody::create makes the model itself.
+/// @snippet bodies.cpp model
 template <std::floating_point Scalar, ReferenceElement Element = Tet4, ElasticLaw LawType = Polar>
 class BodyModel {
  public:

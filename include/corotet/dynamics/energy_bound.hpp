@@ -16,12 +16,11 @@
 
 namespace corotet::inline v0_1 {
 
-/// The energy after a step against that before it and what terms and pins have given. Backward Euler, solved,
-/// never gains any where the elastic energy is convex along the step: v' . M (v' - v) >= (v' . M v' - v . M v) / 2 and
-/// W(x') - W(x) <= -(x' - x) . f(x'). One linear solve may: bodies that hardly change their volume, which a step along
-/// straight lines stretches, gain a tenth of a swing's energy at nu = 0.499.
+/// Compares the energy after a step with that before it and the work of terms and pins.
 ///
-/// Not known, and not asked for, in steps in which pins lead a body with stiffness damping.
+/// Backward Euler, solved exactly, gains no energy where the elastic energy is convex along the step: docs/theory.md,
+/// equation 17. One linear solve may, above all in nearly incompressible bodies. Steps in which pins move a body with
+/// stiffness damping are not compared: the work of the pins is not known there.
 template <class Body>
 class EnergyBound {
  public:
@@ -77,7 +76,7 @@ class EnergyBound {
   }
 
   /// Once the body has moved and been evaluated: whether it has gained more than rounding explains. The error of steps
-  /// of second order has either sign: what they gain is summed until it is paid back, or forgotten after one of
+  /// of second order has either sign: what they gain is summed until steps lose it again, or a step is of
   /// backward Euler, and may be `most_gain` of the elastic energy before and after and the kinetic one about the mean
   /// motion. The fields are those before.
   [[nodiscard]] bool exceeds(const Body& body, const TimeStep<Scalar>& step, const Field<Scalar>& displacement_before,
@@ -127,7 +126,7 @@ class EnergyBound {
   static constexpr double rounding = 16 * static_cast<double>(std::numeric_limits<Scalar>::epsilon());
   static constexpr double most_gain = 1e-4;
   /// The largest stress over mu from which on a gain counts. A stiff body that turns about a pinned axle stretches by
-  /// (h w)^2 / 2 in each step, and is drawn back in the next: to solve that again would do no more than brake it.
+  /// (h w)^2 / 2 in each step, and is drawn back in the next: to solve that again would only damp its rotation.
   static constexpr double least_stress = 0.1;
 
   detail::Buffer<double> scratch_;

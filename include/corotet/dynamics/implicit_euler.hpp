@@ -18,11 +18,16 @@
 
 namespace corotet::inline v0_1 {
 
-/// v' = v + h M^-1 (f_ext + f_el(x') - D v'), x' = x + h v'. With one solve a step, the default, that is
-/// (M + h D + h^2 K) dv = h (f_ext + f_el(x) - D v) - h^2 K v, then v += dv, x += h v, with K at the start of the step:
-/// the warped stiffness K' (Müller & Gross 2004, section 3.4; Baraff & Witkin 1998, eq. 6) and what NewtonOptions'
-/// tangent adds to it, and D = a M + b K'. A body without pins is solved for in a frame that turns with it: see
-/// TurningFrame. Pieces of the body that do not touch move as each does alone: see Pieces.
+/// The integrator of first order, backward Euler: stable at any step, it damps all motion.
+///
+/// Use it by default, above all for games. Use Bdf2 where motion must not be damped, AdaptiveStep around either where
+/// steps may fail, and `solve_static` where only the rest configuration matters.
+/// @snippet steps.cpp euler
+/// It solves v' = v + h M^-1 (f_ext + f_el(x') - D v'), x' = x + h v'. With one solve a step, the default, that is
+/// (M + h D + h^2 K) dv = h (f_ext + f_el(x) - D v) - h^2 K v, then v += dv, x += h v. K is evaluated at the start of
+/// the step: the warped stiffness K' (Müller & Gross 2004, section 3.4; Baraff & Witkin 1998, eq. 6) and what
+/// NewtonOptions::tangent adds to it. D = a M + b K'. A body without pins is solved in a frame that turns with it.
+/// Pieces of the body that do not touch move as each does alone.
 ///
 /// The integrator owns all that a step needs besides the body: make it once for a body, then `step` allocates nothing.
 template <class Body, class Solver = AutoSolver<typename Body::scalar_type>>

@@ -61,7 +61,12 @@ class PieceIntegrator {
   Scheme scheme_;
 };
 
-/// The integrator that ImplicitEuler and Bdf2 are made of: see there. Another scheme is a TimeScheme.
+/// The integrator that ImplicitEuler and Bdf2 are made of, for a TimeScheme of your own.
+///
+/// Use it to try another time discretisation: solves, pins, terms, momenta and reports come with it. For backward Euler
+/// and BDF2 use the two classes.
+/// @snippet time_scheme.cpp scheme
+/// @snippet time_scheme.cpp use
 template <class Body, TimeScheme<Body> Scheme, class Solver>
   requires LinearSolver<Solver, typename Body::scalar_type>
 class Integrator {

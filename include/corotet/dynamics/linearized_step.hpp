@@ -24,10 +24,11 @@
 
 namespace corotet::inline v0_1 {
 
-/// The equation of a TimeStep with the elastic force linearised at x_k = x_history + gamma v_k:
-/// f_el(x) = f_el(x_k) - K (x - x_k). The new velocity follows from A v = M v_history + gamma (f + f_el(x_k))
-/// + gamma^2 K v_k with A = M + gamma D + gamma^2 K, and f the sum of all terms. K is the Tangent asked for, and
-/// D = a M + b K' with the warped stiffness K' where the step's force is linearised first: so damping has a potential
+/// The equation of a TimeStep with the elastic force linearised at x_k = x_history + gamma v_k: docs/theory.md,
+/// equation 13. A v = M v_history + gamma (f + f_el(x_k)) + gamma^2 K v_k with A = M + gamma D + gamma^2 K, and f the
+/// sum of all terms. K is the Tangent asked for.
+///
+/// D = a M + b K' with the warped stiffness K' where the step's force is linearised first. So damping has a potential
 /// in each step, and the torques of the exact tangent do not enter it. Implicit terms add to A and f: see StepTerm.
 template <class Body>
 class LinearizedStep {
@@ -59,9 +60,7 @@ class LinearizedStep {
     if (evaluation_.twist.projects() != before) revision_ = {};
   }
 
-  /// Before a step with this gamma. A bar that is pulled straightens by the stress s, besides its stiffness in bending.
-  /// One solve a step comes to rest if what the matrix leaves out of that is less than 4 M / gamma^2 and the stiffness
-  /// together, for each wave length; so if s is less than sqrt(4/3 rho E) thickness / gamma, a twist mode of s / 2.
+  /// Sets the cap of the twist modes for steps with this gamma (s): docs/theory.md, equation 9.
   void prepare(const Body& body, Scalar gamma) {
     const Scalar before = evaluation_.twist.left();
     evaluation_.twist.leave((std::min)(0.5, body.crossing_time() / double(gamma)));

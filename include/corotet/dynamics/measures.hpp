@@ -16,15 +16,22 @@
 
 namespace corotet::inline v0_1 {
 
-/// Measures each element of the body where it is now; `out` has one entry an element: see element_measures of a law.
+/// Measures each element of the body where it is now: strain, stress, energy, volume.
+///
+/// StepReport has the largest strain of a step for nothing; use this for fields and for stress.
+/// @snippet queries.cpp measures
+/// `out` has one entry an element: see element_measures of a law.
 template <class Body>
 void element_measures(const Body& body, std::span<ElementMeasures<typename Body::scalar_type>> out,
                       ExecutorRef executor = {}) {
   element_measures(body.law(), body.displacements(), out, executor);
 }
 
-/// The reactions of a body's pins: the force that each pin exerts on the body, N, along the axes that it holds. The
-/// body pulls at the pin with the opposite force. For vertex i, M the mass, D the damping:
+/// The reactions of a body's pins: the force that each pin exerts on the body, N, along the axes that it holds.
+///
+/// Use it for supports in statics, and to couple a body with a rigid one that carries its pins.
+/// @snippet queries.cpp reactions
+/// The body pulls at the pin with the opposite force. For vertex i, M the mass, D the damping:
 ///   reaction_i = (M a + D v)_i - f_elastic_i - f_external_i - m_i g.
 /// Terms that an integrator has besides the body's own are not counted: add what they exert on pinned vertices to
 /// f_external.

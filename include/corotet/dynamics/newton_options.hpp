@@ -5,6 +5,7 @@
 
 namespace corotet::inline v0_1 {
 
+/// How a step solves its nonlinear equation (docs/theory.md, equations 11 to 17). The defaults suit most scenes.
 struct NewtonOptions {
   /// Linear solves a step, at most, >= 1. One: the force is linearised once (Müller & Gross 2004), which is enough for
   /// most scenes, and costs no search. More: Newton's method with a line search on the incremental energy, until

@@ -51,7 +51,11 @@ template <class Body>
   return snapshot_size(body, detail::NoIntegrator());
 }
 
-/// Writes the state: displacements, velocities, forces, gravity and pins of the body; of the integrator all that later
+/// Saves the state of a body and its integrator as bytes, for rollback, replays and late joiners of a game.
+///
+/// To save a simulation across versions of the library write positions and velocities to a file instead.
+/// @snippet steps.cpp snapshot
+/// The bytes hold displacements, velocities, forces, gravity and pins of the body; of the integrator all that later
 /// steps depend on (history, guesses, factors). The bytes mean the same on every platform; they are read by this
 /// version of the library, for the same mesh, materials and options, by an integrator of the same type and options.
 /// Errors: invalid_argument (fewer bytes than `snapshot_size`).

@@ -27,10 +27,14 @@
 
 namespace corotet::inline v0_1 {
 
-/// A BodyModel, which copies share, and a state. The state is a displacement from rest and a velocity, not a world
-/// position, so that float keeps its digits wherever the rest shape lies: all positions are relative to `origin()`. A
-/// body that then travels many times its size has a large displacement, and loses them again, until `rebase` moves the
-/// origin after it. An integrator (ImplicitEuler) moves it.
+/// A soft body: a BodyModel, which copies share, and a state with its pins, gravity and forces.
+///
+/// Use one for each thing that deforms. An integrator (ImplicitEuler, Bdf2) moves it, and EmbeddedSurface draws it. For
+/// stiffness and mass matrices alone use Elasticity, Mass and `assemble`.
+/// @snippet bodies.cpp body
+/// The state is a displacement from rest and a velocity, relative to `origin()`, so that float keeps its digits
+/// wherever the rest configuration lies. The displacement of a body that travels many times its size is large: `rebase`
+/// moves the origin after it.
 template <std::floating_point Scalar, ReferenceElement Element = Tet4, ElasticLaw LawType = Polar>
 class SoftBody : private PointStates<Scalar, ElasticModelOf<LawType>> {
  public:

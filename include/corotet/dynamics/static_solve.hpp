@@ -17,6 +17,7 @@
 
 namespace corotet::inline v0_1 {
 
+/// When `solve_static` ends.
 struct StaticOptions {
   /// Of the forces that are left on the free vertices, relative to those that load the body or were left at the start,
   /// whichever are larger (Euclidean norms), 0 < tolerance < 1. Where rounding does not allow that, above all in float,
@@ -61,10 +62,15 @@ template <class Body>
 
 }  // namespace detail
 
-/// Moves the body to where it rests, and stops it there: by steps from standstill that grow tenfold as long as Newton's
-/// method solves them, and shrink where it does not. From a shape far from rest it finds a minimum of the potential
-/// energy that can be reached downhill, not the nearest stationary point. Memory and symbolic work are made anew at
-/// each call. A body that is not held, or only partly, comes to rest only if nothing loads it along what is free.
+/// Moves the body to static equilibrium under its pins, gravity, forces and terms, and sets its velocities to zero.
+///
+/// Use it for a rest configuration before a simulation, or for a static analysis. It is not a step of motion: use
+/// ImplicitEuler for that. Each call allocates its memory anew.
+/// @snippet steps.cpp static
+/// The method is pseudo-transient continuation: steps from standstill that grow tenfold while Newton's method
+/// converges, and shrink where it does not. It finds a minimum of the potential energy that lies downhill, not the
+/// nearest stationary point. A body that is free to move along some direction converges only if nothing loads it along
+/// that.
 template <class Body, class Solver = AutoSolver<typename Body::scalar_type>>
 COROTET_COLD StaticReport solve_static(Body& body, const StaticOptions& options = {},
                                        const StepContext<typename Body::scalar_type>& context = {}) {

@@ -20,19 +20,14 @@
 
 namespace corotet::inline v0_1 {
 
-/// A step of a body without pins, seen from its centre of mass.
+/// The frame in which a step of a body without pins is solved, and the projection of its angular momentum.
 ///
-/// Straight lines: x' = x + h v' moves a vertex that turns by h w along the tangent, and the body grows by
-/// sqrt(1 + (h w)^2). So backward Euler is solved in a frame that turns with the body, at the w of its angular momentum
-/// and inertia, in which that part of the motion is rest; then body and velocities are turned by h w. What the frame
-/// adds, per vertex at r: the velocity u = v - w x r keeps its length and turns by -2 h w (Coriolis), and gains
-/// -g w x (w x r) with g = h / sqrt(1 + (h w)^2), the radial velocity of a free point after h: h w^2 for slow turns, no
-/// more than the velocity itself for fast ones.
+/// The frame turns about the centre of mass at the angular velocity w of the body's angular momentum and inertia. Along
+/// straight lines the body would grow by sqrt(1 + (h w)^2) a step. In the frame the velocity u = v - w x r of a vertex
+/// at r turns by -2 h w (Coriolis) and gains -g w x (w x r): docs/theory.md, equation 16.
 ///
-/// Angular momentum: implicit integrators brake spin, by sum c v' x M vbar. This gives it back by the change of
-/// velocity that is smallest in the norm of M, a rotation about the centre of mass (projection onto the level set of a
-/// first integral: Hairer, Lubich & Wanner 2006, section IV.4), which is exact to rounding, as the momentum is linear
-/// in v'. What the solver's tolerance has left, and torques of forces that have no energy, go with it.
+/// The projection restores the angular momentum, which implicit integrators damp, by the change of velocity that is
+/// smallest in the norm of M: a rotation about the centre of mass (Hairer, Lubich & Wanner 2006, section IV.4).
 template <class Body>
 class TurningFrame {
  public:

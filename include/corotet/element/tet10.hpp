@@ -8,7 +8,7 @@
 namespace corotet::inline v0_1 {
 
 /// Node order: four corners, then the midpoints of `tet_edges` (the order of VTK; readers translate the others).
-/// Bends without locking; many times fewer elements than Tet4 for the same error: see docs/elements.md.
+/// Bends without locking; many times fewer elements than Tet4 for the same error: see docs/benchmarks/elements.md.
 struct Tet10 {
   static constexpr int nodes = 10;
   static constexpr int order = 2;  ///< degree of the shape functions

@@ -7,7 +7,8 @@
 
 namespace corotet::inline v0_1 {
 
-/// Cheapest element. Stiff in bending and locks as Poisson's ratio nears 1/2: see docs/elements.md for how much.
+/// Cheapest element. Stiff in bending and locks as Poisson's ratio nears 1/2: see docs/benchmarks/elements.md for how
+/// much.
 struct Tet4 {
   static constexpr int nodes = 4;
   static constexpr int order = 1;  ///< degree of the shape functions

@@ -27,9 +27,14 @@
 
 namespace corotet::inline v0_1 {
 
-/// Surface vertices, each bound to a point of a tetrahedral mesh. The mesh is not needed after binding.
-/// Laws: an affine motion x = A X + b of the mesh moves every vertex by the same map and turns normals by cof(A),
-/// vertices outside the mesh included; results are the same bits on any executor; an update allocates nothing.
+/// A detailed surface that moves with a body, written into a vertex buffer: positions and normals.
+///
+/// Use it for what is drawn, so that the mesh may be coarse. The boundary of the mesh itself is extract_boundary;
+/// single points are PointLocator.
+/// @snippet files.cpp surface
+/// Each vertex is bound to a point of the mesh, which is not needed after that. Laws: an affine motion x = A X + b of
+/// the mesh moves every vertex by the same map and turns normals by cof(A), vertices outside the mesh included; results
+/// are the same bits on any executor; an update allocates nothing.
 ///
 /// Positions are written relative to the mesh's origin() (an engine puts that into its model matrix), so they keep
 /// float precision wherever the body is.

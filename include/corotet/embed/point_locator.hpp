@@ -33,7 +33,12 @@ struct LocatedPoint : BodyPoint<Element> {
   [[nodiscard]] bool found() const { return element != none; }
 };
 
-/// Finds points of a mesh at rest. Made once, O(elements log elements); a query looks at O(log elements) boxes and
+/// Finds points of a mesh at rest.
+///
+/// Use it to grab, strike or follow a place of a body. For a deformed body, as what a ray has hit, use
+/// DeformedPointLocator; for all vertices of a surface EmbeddedSurface.
+/// @snippet queries.cpp points
+/// Made once, O(elements log elements); a query looks at O(log elements) boxes and
 /// allocates nothing. Copies share one constant tree; any number of threads may ask. The mesh is copied.
 template <std::floating_point Scalar, TetrahedralElement Element = Tet4>
 class PointLocator {

@@ -18,7 +18,12 @@
 
 namespace corotet::inline v0_1 {
 
-/// Rest positions and elements. Invariants, established by `create` and kept for life: every index is in range; no
+/// A mesh of tetrahedra: rest positions and elements, checked once by `create`.
+///
+/// A body is made of one. MeshData is the same without the guarantees: what readers and generators return. Tet10
+/// reaches an error with far fewer elements than Tet4.
+/// @snippet bodies.cpp mesh
+/// Invariants, established by `create` and kept for life: every index is in range; no
 /// element names a vertex twice; every vertex belongs to an element; every element has a positive Jacobian at each
 /// quadrature point; every number is finite. Elements of a reader's own are carried as well: see ReferenceElement.
 template <std::floating_point Scalar, ReferenceElement Element = Tet4>
@@ -68,9 +73,7 @@ class TetMesh {
   /// The mesh as unchecked data in double, in the coordinates given to `create`: for writers and converters.
   [[nodiscard]] COROTET_COLD MeshData data() const;
 
-  [[nodiscard]] std::size_t bytes() const {
-    return bytes_of(positions_) + bytes_of(elements_) + bytes_of(regions_);
-  }
+  [[nodiscard]] std::size_t bytes() const { return bytes_of(positions_) + bytes_of(elements_) + bytes_of(regions_); }
 
   /// The mesh of some elements alone, each named once, with the same positions and origin. `vertices` (out): of this
   /// mesh, ascending, one for each of the new mesh's.

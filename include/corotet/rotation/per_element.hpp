@@ -6,7 +6,7 @@
 namespace corotet::inline v0_1 {
 
 /// `PerElement<Polar>` with Tet10: a quarter of the rotations, less accurate in large bending, and the force is no
-/// longer exactly the gradient of an energy. docs/elements.md has the numbers. The same as `Model` for Tet4.
+/// longer exactly the gradient of an energy. docs/benchmarks/elements.md has the numbers. The same as `Model` for Tet4.
 template <RotationExtractor Model>
 struct PerElement : Model {
   static constexpr bool per_element = true;

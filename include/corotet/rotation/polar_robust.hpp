@@ -105,13 +105,12 @@ template <std::floating_point Scalar>
   return 256 * std::numeric_limits<Scalar>::epsilon() * unit;
 }
 
-/// By how much tr(R^T F) must differ between stationary rotations, those for which R^T F is symmetric, for the choice
-/// between them to be clear; `unit`: the size of F at rest. What is less is decided by what leads a body that starts
-/// collapsed or mirrored home: all its elements turn the same way, and it unfolds. By rounding, or by what little a
-/// start is off, each would turn its own way, and they lock.
+/// Returns the difference of tr(R^T F) from which on the choice between two stationary rotations is clear. A rotation
+/// is stationary if R^T F is symmetric. `unit`: the size of F at rest.
 ///
-/// Where the choice is not clear R depends on the axes of the rest position, and is stationary only to 0.35 of this:
-/// R^T F is symmetric to 0.003 `unit`, tr(R^T F) may be 0.003 `unit` less than the largest.
+/// Below it rounding would choose, and the elements of a body that starts collapsed or mirrored would turn each their
+/// own way and lock. R is then chosen by the axes of the rest configuration, so that all turn the same way. R^T F is
+/// symmetric only to 0.003 `unit` there: docs/theory.md, "The rotation".
 template <std::floating_point Scalar>
 [[nodiscard]] constexpr Scalar clear_choice(Scalar unit) {
   return Scalar(0.008) * unit;

@@ -28,7 +28,9 @@
 
 namespace corotet::inline v0_1 {
 
+/// Conjugate gradients, or a factorisation of the matrix in each step; automatic: by predicted cost.
 enum class SolverMethod { automatic, pcg, cholesky };
+/// The preconditioner of conjugate gradients.
 enum class PreconditionerKind { automatic, jacobi, block_jacobi, rigid_aggregates, warped_cholesky };
 
 /// As in a scene file: "jacobi", ...; "auto" for automatic.
@@ -48,6 +50,8 @@ enum class PreconditionerKind { automatic, jacobi, block_jacobi, rigid_aggregate
   return "auto";
 }
 
+/// How the linear systems of a step are solved. The defaults suit most scenes.
+/// @snippet steps.cpp solver
 struct SolverOptions {
   SolverMethod method = SolverMethod::automatic;
   PreconditionerKind preconditioner = PreconditionerKind::automatic;
@@ -55,7 +59,11 @@ struct SolverOptions {
   int max_iterations = 2000;  ///< of PCG, >= 0
 };
 
-/// Chooses by predicted cost (SolveCost): rigid aggregates to begin with, and for a small body a factor of the whole,
+/// The default solver: conjugate gradients, whose preconditioner it chooses by predicted cost.
+///
+/// Name another (PcgSolver, CholmodSolver) only to compare, or to add your own.
+/// @snippet steps.cpp solver
+/// It chooses rigid aggregates to begin with, and for a small body a factor of the whole,
 /// as soon as a dozen solves took so many iterations that it would be cheaper: when the body is stiff. See
 /// `preconditioner()` for the choice; all memory is there after `analyze`. A factor too large for 32-bit indices is
 /// never chosen, not even when asked for. Copies share all that follows from the pattern and the rest configuration.

@@ -20,6 +20,7 @@
 
 namespace corotet::inline v0_1 {
 
+/// How CholmodSolver factors and refines.
 struct CholmodOptions {
   double tolerance = 1e-9;  ///< Euclidean residual, relative to |b|; reached by refinement where Scalar allows it
 };

@@ -19,6 +19,7 @@
 
 namespace corotet::inline v0_1 {
 
+/// When conjugate gradients stop.
 struct PcgOptions {
   /// Stop when the error of x is `tolerance` times x, both in the energy norm sqrt(x . A x), 0 < tolerance < 1: see
   /// Pcg for how the error is known. What float can reach depends on how stiff the body is against its inertia; a

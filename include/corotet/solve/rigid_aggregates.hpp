@@ -48,7 +48,7 @@ class RigidAggregates {
 
   /// Aggregates of 27 vertices do best on small bodies, and the time of a step hardly depends on it on one thread;
   /// larger ones, of up to 60, keep the coarse solve short, which only one thread does; beyond that a level between is
-  /// cheaper. (Measured on the beams of docs/speed.md.)
+  /// cheaper. (Measured on the beams of docs/benchmarks/speed.md.)
   [[nodiscard]] static Sizes sizes_for(Index vertices) {
     constexpr Index least = 27, most = 60, most_coupled = 1000;
     if (vertices > most * most_coupled) return {vertices / least, std::min<Index>(vertices / 230, 2000)};

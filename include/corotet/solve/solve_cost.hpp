@@ -6,8 +6,8 @@
 namespace corotet::inline v0_1 {
 
 /// The time of one solve of a step, in products of its matrix with a vector. Counts what is read and computed, with
-/// weights that were measured (docs/speed.md has the figures, `corotet bench` prints the prediction beside the time).
-/// A ratio of times on one machine: it holds roughly on others, which a clock would not.
+/// weights that were measured (docs/benchmarks/speed.md has the figures, `corotet bench` prints the prediction beside
+/// the time). A ratio of times on one machine: it holds roughly on others, which a clock would not.
 class SolveCost {
  public:
   SolveCost() = default;

@@ -68,6 +68,7 @@ enum class SolveStatus {
   return std::isfinite(tolerance) && tolerance > 0 && tolerance < 1;
 }
 
+/// How a linear solve ended.
 struct SolveReport {
   SolveStatus status = SolveStatus::converged;
   int iterations = 0;   ///< of conjugate gradients, or corrections of a direct solution

@@ -9,9 +9,13 @@
 
 namespace corotet::inline v0_1 {
 
-/// A force on a body, and how it changes with position and velocity: a spring, an attachment, a contact, a drag. The
-/// step solves it implicitly, with its impulse in the balance of momenta and its energy in the energy bound.
+/// A force on a body, and how it changes with position and velocity: a spring, an attachment, a contact, a drag.
 ///
+/// Derive from it where a force depends on the state, above all if it is stiff: the step solves it implicitly, with its
+/// impulse in the balance of momenta and its energy in the energy bound. For forces that are known before the step use
+/// SoftBody::external_forces; to hold vertices use pins.
+/// @snippet term.cpp term
+/// @snippet term.cpp use
 /// An integrator calls, in this order: `begin_step` once; then for each linearisation `add_force` and `add_stiffness`
 /// with the same state; `energy` with any state in between; `end_step` once if the step is accepted. A step that is
 /// solved again (energy bound, projected tangent) repeats the middle part. All calls come from the thread that called

@@ -1,7 +1,6 @@
 // For the ways of getting the library that differ in CMake alone: main.cpp with other.cpp takes a minute to compile.
-#include <corotet/core/version.hpp>
-#include <corotet/mesh/make_block.hpp>
-#include <corotet/mesh/tet_mesh.hpp>
+#include <corotet/mesh.hpp>
+#include <corotet/version.hpp>
 #include <cstdio>
 
 int main() {

@@ -1,5 +1,5 @@
+#include <corotet/cholmod.hpp>
 #include <corotet/corotet.hpp>
-#include <corotet/solve/cholmod.hpp>
 
 // Runs before main; a wrong result ends the program, which the test sees.
 static const bool cholmod_steps = [] {

@@ -1,5 +1,6 @@
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/mesh/make_block.hpp>
+#include <corotet/integrators.hpp>
+#include <corotet/mesh.hpp>
+#include <corotet/soft_body.hpp>
 
 #if !defined(COROTET_COMPILED)
 #error "corotet::compiled does not say that the instances are compiled"

@@ -1,4 +1,4 @@
-#include <corotet/core/eigen.hpp>
+#include <corotet/eigen.hpp>
 
 // Runs before main; a wrong result ends the program, which the test sees.
 static const bool fields_are_vectors = [] {

@@ -1,5 +1,5 @@
 #include <atomic>
-#include <corotet/core/tbb_executor.hpp>
+#include <corotet/tbb.hpp>
 
 // Runs before main; a wrong result ends the program, which the test sees.
 static const bool all_tasks_ran = [] {

@@ -32,7 +32,12 @@ enum class MeshFormat { unknown, msh, medit, medit_binary, vtk, vega };
   return MeshFormat::unknown;
 }
 
-/// The mesh in the file at `path`: gmsh .msh, Medit .mesh, legacy .vtk or Vega .veg, told by their content, or TetGen's
+/// Reads a volume mesh from a file of any format.
+///
+/// Use it for what a mesh generator wrote; the readers by name (read_msh, ...) take a text in memory. `stuff_surface`
+/// makes a mesh from a surface.
+/// @snippet files.cpp read
+/// The formats are gmsh .msh, Medit .mesh, legacy .vtk or Vega .veg, told by their content, or TetGen's
 /// .node and .ele, told by their extension. Errors name the file, the line or byte offset, and the reason;
 /// `unknown_format` if no reader recognises the content.
 [[nodiscard]] inline Result<MeshData> read_mesh(const FilePath& path) {

@@ -15,6 +15,7 @@
 
 namespace corotet::inline v0_1 {
 
+/// The formats that read_surface tells apart.
 enum class SurfaceFormat { unknown, obj, stl, ply, off };
 
 /// Tells the format from the content. A binary .stl has no mark, but a length that follows from its header.
@@ -28,7 +29,9 @@ enum class SurfaceFormat { unknown, obj, stl, ply, off };
   return SurfaceFormat::unknown;
 }
 
-/// The surface in the file at `path`: .obj, .stl, .ply or .off, told by its content. A binary .stl whose length
+/// Reads a surface, to be embedded or filled with a mesh, from a file of any format.
+///
+/// The formats are .obj, .stl, .ply or .off, told by its content. A binary .stl whose length
 /// contradicts its header is told by its extension. Errors name the file, the line or byte offset, and the reason;
 /// `unknown_format` if no reader recognises the content.
 [[nodiscard]] inline Result<SurfaceMesh> read_surface(const FilePath& path) {

@@ -25,6 +25,7 @@
 
 namespace corotet::inline v0_1 {
 
+/// Which frames a picture shows, and how large.
 struct FilmstripOptions {
   std::vector<Index> frames{};  ///< which frames, from left to right; empty: four from the first to the last
   double width = 1200;          ///< of the whole picture, pixels; from 100 to 2000

@@ -19,6 +19,7 @@
 
 namespace corotet::inline v0_1 {
 
+/// The version and encoding of a gmsh file.
 struct MshOptions {
   int version = 41;     ///< 22 or 41
   bool binary = false;  ///< binary files have the byte order of this machine, which they state

@@ -28,6 +28,7 @@ enum class VtuEncoding {
   ascii      ///< for people; exact, but large and slow
 };
 
+/// How a .vtu file stores its numbers.
 struct VtuOptions {
   VtuEncoding encoding = VtuEncoding::appended;
   std::endian byte_order = std::endian::native;  ///< of the binary encodings
@@ -195,7 +196,11 @@ inline Result<void> check_vtu_cells(const VtuCells& cells, std::size_t point_cou
   return text.finish();
 }
 
-/// Writes a .vtu file. Errors: those of `format_vtu`, and file_unreadable.
+/// Writes a .vtu file, for ParaView: points, cells and fields on them.
+///
+/// PvdWriter lists the files of a time series; write_animation_html makes a page for a browser.
+/// @snippet files.cpp write
+/// Errors: those of `format_vtu`, and file_unreadable.
 [[nodiscard]] inline Result<void> write_vtu(const FilePath& path, const VtuGrid& grid, VtuOptions options = {}) {
   const Result<std::string> text = format_vtu(grid, options);
   return text ? write_file(path, *text) : Result<void>(text.error());

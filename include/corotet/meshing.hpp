@@ -1,0 +1,6 @@
+/// @defgroup group_meshing Meshing and mesh quality
+/// Isosurface stuffing of a closed surface, and measures of the quality of elements.
+#pragma once
+
+#include <corotet/mesh/quality.hpp>
+#include <corotet/mesh/stuffing/isosurface_stuffing.hpp>

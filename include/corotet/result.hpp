@@ -1,0 +1,6 @@
+/// @defgroup group_result Errors
+/// Result for bad data; COROTET_ASSERT and its handler for mistakes of the calling program.
+#pragma once
+
+#include <corotet/core/assert.hpp>
+#include <corotet/core/result.hpp>

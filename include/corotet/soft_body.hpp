@@ -1,0 +1,9 @@
+/// @defgroup group_soft_body Bodies
+/// A soft body: its model (mesh, material, mass), its state, pins, gravity and forces.
+///
+/// An integrator (@ref group_integrators) moves it.
+#pragma once
+
+#include <corotet/dynamics/body_model.hpp>
+#include <corotet/dynamics/pins.hpp>
+#include <corotet/dynamics/soft_body.hpp>

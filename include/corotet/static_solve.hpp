@@ -1,0 +1,5 @@
+/// @defgroup group_static_solve Static equilibrium
+/// The shape in which a body rests under its pins, gravity, forces and terms.
+#pragma once
+
+#include <corotet/dynamics/static_solve.hpp>

@@ -1,0 +1,5 @@
+/// @defgroup group_tbb oneTBB (opt-in)
+/// An executor over oneTBB. Link corotet::tbb.
+#pragma once
+
+#include <corotet/core/tbb_executor.hpp>

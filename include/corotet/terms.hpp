@@ -1,0 +1,7 @@
+/// @defgroup group_terms Terms
+/// Forces of your own in a step (springs, attachments, contacts, drag), with their stiffness and energy.
+#pragma once
+
+#include <corotet/terms/body_terms.hpp>
+#include <corotet/terms/step_term.hpp>
+#include <corotet/terms/term_state.hpp>

@@ -1,0 +1,5 @@
+/// @defgroup group_version Version
+/// The version of the library, as macros and as constants.
+#pragma once
+
+#include <corotet/core/version.hpp>
