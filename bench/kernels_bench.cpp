@@ -219,9 +219,9 @@ void add_rows(const std::string& element, const std::vector<Index>& all_cells) {
   using B = Beam<Element>;
   using State = benchmark::State;
   static std::map<Index, std::unique_ptr<B>> beams;  // Google Benchmark calls each kernel several times
-  const auto add = [&](const char* name, void (*kernel)(State&, B&), Index most_cells = 1000) {
+  const auto add = [&](const char* name, void (*kernel)(State&, B&), Index max_cells = 1000) {
     for (const Index cells : all_cells)
-      if (const std::string row = std::string(name) + "/" + element + "/" + std::to_string(cells); cells <= most_cells)
+      if (const std::string row = std::string(name) + "/" + element + "/" + std::to_string(cells); cells <= max_cells)
         benchmark::RegisterBenchmark(row.c_str(), [kernel, cells](State& state) {
           if (!beams[cells]) beams[cells] = std::make_unique<B>(cells);
           kernel(state, *beams[cells]);

@@ -55,12 +55,12 @@ Outline make_outline() {
 /// Four vertices of a flat face of the outline may form a cell without volume, which TetMesh would refuse. It lies in
 /// the face, so nothing is lost with it.
 MeshData without_flat_cells(MeshData mesh, double edge_length) {
-  const double least_volume = 1e-4 * std::pow(edge_length, 3);
+  const double min_volume = 1e-4 * std::pow(edge_length, 3);
   std::vector<Index> kept;
   for (std::size_t first = 0; first < mesh.connectivity.size(); first += 4) {
     const Index* cell = &mesh.connectivity[first];
     const auto edge = [&](int a) { return mesh.positions[at(cell[a])] - mesh.positions[at(cell[0])]; };
-    if (std::abs(edge(1).cross(edge(2)).dot(edge(3))) / 6 >= least_volume) kept.insert(kept.end(), cell, cell + 4);
+    if (std::abs(edge(1).cross(edge(2)).dot(edge(3))) / 6 >= min_volume) kept.insert(kept.end(), cell, cell + 4);
   }
   const std::size_t left_out = (mesh.connectivity.size() - kept.size()) / 4;
   if (left_out > 0) std::printf("left out %zu flat cells on the faces\n", left_out);

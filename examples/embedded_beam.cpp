@@ -92,7 +92,7 @@ bool run(const std::string& folder, int frames) {
                             .normal_offset = offsetof(Vertex, normal)};
   std::printf("%zu triangles on %d vertices, in %d quadratic tetrahedra; %d vertices outside, by at most %.2g m\n",
               gear.triangles.size(), surface->vertex_count(), cage->element_count(), surface->outside_count(),
-              surface->largest_distance());
+              surface->max_distance());
 
   std::error_code ignored;  // an unusable folder shows when a file is written
   std::filesystem::create_directories(folder, ignored);

@@ -82,14 +82,14 @@ struct PrincipalDensity {
       const Lanes<Scalar> e = s[at(k)] - Lanes<Scalar>(1), sum = s[at((k + 1) % 3)] + s[at((k + 2) % 3)];
       psi += constants.mu * e * e;
       slope[at(k)] = two_mu * e;
-      twist[at(k)] = two_mu - (two_mu + two_mu) / lane_max(sum, least_sum());
+      twist[at(k)] = two_mu - (two_mu + two_mu) / lane_max(sum, min_sum());
       flip[at(k)] = two_mu;
       for (int j = 0; j < 3; ++j) scaling(k, j) = j == k ? two_mu : Lanes<Scalar>(0);
     }
   }
 
   /// Of two stretches: an inverted element may have any.
-  static Lanes<Scalar> least_sum() { return Lanes<Scalar>(Scalar(1e-3)); }
+  static Lanes<Scalar> min_sum() { return Lanes<Scalar>(Scalar(1e-3)); }
 };
 
 struct BoundedPressure {
@@ -106,7 +106,7 @@ struct BoundedPressure {
     density.psi += pressure * (growth - L(Scalar(0.5)) * pressure / lane_max(constants.lambda, L(Scalar(1e-9))));
     for (int i = 0; i < 3; ++i) {
       density.slope[at(i)] += pressure;
-      density.twist[at(i)] += (pressure + pressure) / lane_max(sum - s[at(i)], density.least_sum());
+      density.twist[at(i)] += (pressure + pressure) / lane_max(sum - s[at(i)], density.min_sum());
       for (int j = 0; j < 3; ++j) density.scaling(i, j) += slope;
     }
     return density;
@@ -188,7 +188,7 @@ double rms(const Field<double>& displacement) {
   return std::sqrt(sum / static_cast<double>(displacement.size()));
 }
 
-double largest_speed(const Field<double>& velocity) {
+double max_speed(const Field<double>& velocity) {
   double largest = 0;
   for (const Vec3<double>& v : velocity) largest = std::max(largest, v.norm());
   return largest;
@@ -197,7 +197,7 @@ double largest_speed(const Field<double>& velocity) {
 /// All starts with one law: steps until no vertex has been faster than 1e-3 m/s for 20 steps, or for 60 s.
 template <class Law, class Element>
 void run(const char* element, std::string_view name, const Problem<Element>& problem, int starts,
-         const NewtonOptions& newton) {
+         const StepOptions& newton) {
   auto body = *SoftBody<double, Element, Law>::create(problem.mesh, problem.material);
   body.pin_where(&Problem<Element>::is_held);
   ImplicitEuler euler(body, SolverOptions{}, newton);
@@ -213,7 +213,7 @@ void run(const char* element, std::string_view name, const Problem<Element>& pro
       if (!report.accepted()) break;
       tally.solves += report.newton_iterations;
       ++tally.steps;
-      quiet = largest_speed(body.velocities()) < 1e-3 ? quiet + 1 : 0;
+      quiet = max_speed(body.velocities()) < 1e-3 ? quiet + 1 : 0;
     }
     tally.add(rms(body.displacements()), quiet == 20, report.inverted_elements > 0);
   }
@@ -223,7 +223,7 @@ void run(const char* element, std::string_view name, const Problem<Element>& pro
 template <class Element>
 void all(const char* element, int starts, double poisson) {
   const Problem<Element> problem(poisson);
-  const NewtonOptions newton{.iterations = 20, .tolerance = 1e-6, .tangent = Tangent::exact};
+  const StepOptions newton{.iterations = 20, .tolerance = 1e-6, .tangent = Tangent::consistent};
   run<Polar>(element, "this library, one solve", problem, starts, {});
   run<Polar>(element, "corotated", problem, starts, newton);
   run<IsotropicModel<BoundedPressure>>(element, BoundedPressure::name, problem, starts, newton);

@@ -35,20 +35,21 @@ constexpr Ratio ratios[] = {{0.3, 1.0005}, {0.45, 0.9893}, {0.499, 0.9838}, {0.4
 
 template <class Scalar, class Element>
 std::optional<SoftBody<Scalar, Element>> make_beam(const MeshData& data, double q, double poisson,
-                                                   Dilatation dilatation) {
+                                                   VolumetricStrain volumetric_strain) {
   const auto mesh = TetMesh<Scalar, Element>::create(data);
   if (!mesh) return std::nullopt;
-  auto body = SoftBody<Scalar, Element>::create(*mesh, beam::material(q, poisson),
-                                                {.mass = MassModel::lumped, .damping = {}, .dilatation = dilatation});
+  auto body = SoftBody<Scalar, Element>::create(
+      *mesh, beam::material(q, poisson),
+      {.mass = MassModel::lumped, .damping = {}, .volumetric_strain = volumetric_strain});
   if (!body) return std::nullopt;
   return *body;
 }
 
 /// Tip deflection over weight length^4 / 8 E I, or nothing if the beam does not come to rest.
 template <class Element>
-std::optional<double> deflection(const MeshData& data, double poisson, Dilatation dilatation) {
+std::optional<double> deflection(const MeshData& data, double poisson, VolumetricStrain volumetric_strain) {
   const double q = 0.05;
-  auto body = make_beam<double, Element>(data, q, poisson, dilatation);
+  auto body = make_beam<double, Element>(data, q, poisson, volumetric_strain);
   if (!body) return std::nullopt;
   const Index tip = beam::hang(*body);
   if (!solve_static(*body).converged) return std::nullopt;
@@ -61,8 +62,8 @@ struct Cost {
 };
 
 template <class Element>
-std::optional<Cost> fall(const MeshData& data, Dilatation dilatation) {
-  auto body = make_beam<float, Element>(data, 8, 0.499, dilatation);
+std::optional<Cost> fall(const MeshData& data, VolumetricStrain volumetric_strain) {
+  auto body = make_beam<float, Element>(data, 8, 0.499, volumetric_strain);
   if (!body) return std::nullopt;
   beam::hang(*body);
   ImplicitEuler euler(*body, SolverOptions{.tolerance = 1e-3});
@@ -83,15 +84,15 @@ std::optional<Cost> fall(const MeshData& data, Dilatation dilatation) {
 
 template <class Element>
 bool rows(const char* name, const MeshData& data) {
-  for (const Dilatation dilatation : {Dilatation::per_element, Dilatation::mean}) {
-    std::printf("| %-26s | %-11s |", name, dilatation == Dilatation::mean ? "mean" : "per element");
+  for (const VolumetricStrain volumetric_strain : {VolumetricStrain::pointwise, VolumetricStrain::averaged}) {
+    std::printf("| %-26s | %-11s |", name, volumetric_strain == VolumetricStrain::averaged ? "mean" : "per element");
     for (const auto& [poisson, solid] : ratios) {
-      const auto drop = deflection<Element>(data, poisson, dilatation);
+      const auto drop = deflection<Element>(data, poisson, volumetric_strain);
       if (!drop) return std::fprintf(stderr, "%s does not come to rest\n", name), false;
       std::printf(" %.3f |", *drop / solid);
       std::fflush(stdout);
     }
-    const auto cost = fall<Element>(data, dilatation);
+    const auto cost = fall<Element>(data, volumetric_strain);
     if (!cost) return false;
     std::printf(" %.2f | %.0f CG | %d |\n", cost->step_ms, cost->iterations, cost->stopped_short);
   }
@@ -108,7 +109,7 @@ bool converged_solid() {
   for (const Index n : {4, 6}) {
     std::printf("Tet10, %dx%dx%d:", 10 * n, n, n);
     for (const auto& [poisson, solid] : ratios) {
-      const auto drop = deflection<Tet10>(block<Tet10>({10 * n, n, n}), poisson, Dilatation::mean);
+      const auto drop = deflection<Tet10>(block<Tet10>({10 * n, n, n}), poisson, VolumetricStrain::averaged);
       if (!drop) return false;
       std::printf(" nu %g: %.4f", poisson, *drop);
       std::fflush(stdout);

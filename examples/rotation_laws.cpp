@@ -54,7 +54,7 @@ class Cube {
   }
 
   [[nodiscard]] double elastic_energy() const { return law_.energy(displacement); }
-  [[nodiscard]] double largest_force() const {
+  [[nodiscard]] double max_force() const {
     double largest = 0;
     for (Index v = 0; v < vertices(); ++v) largest = std::max(largest, force(v).norm());
     return largest;
@@ -97,7 +97,7 @@ template <RotationExtractor Rotation>
 void turned(double degrees) {
   Cube<Rotation> cube(1);
   cube.deform(rotation_by(degrees * pi / 180 * Vec3<double>(1, 2, 3).normalized()));
-  std::printf(" %.2e | %.2e |", cube.elastic_energy(), cube.largest_force());
+  std::printf(" %.2e | %.2e |", cube.elastic_energy(), cube.max_force());
 }
 
 /// A strain of about `size`, with no axis of symmetry.
@@ -146,15 +146,15 @@ void let_go(double seconds, double h) {
   cube.deform(strained(0.2));
   const double before = cube.elastic_energy();
   const auto energy = [&] { return (cube.elastic_energy() + cube.kinetic_energy()) / before; };
-  double doubled = -1, largest_change = 0, spin_at_10 = 0, spin = 0;
+  double doubled = -1, max_change = 0, spin_at_10 = 0, spin = 0;
   for (int k = 1; k * h <= seconds && doubled < 0; ++k) {
     cube.step(h);
     spin = std::max(spin, cube.angular_momentum().norm() / inertia * 180 / pi);
     if (k * h <= 10) spin_at_10 = spin;
-    largest_change = std::max(largest_change, std::abs(energy() - 1));
+    max_change = std::max(max_change, std::abs(energy() - 1));
     if (energy() > 2) doubled = k * h;
   }
-  std::printf("| %-12s | %.1e | %.1e | %.1f %% |", Rotation::name.data(), spin_at_10, spin, 100 * largest_change);
+  std::printf("| %-12s | %.1e | %.1e | %.1f %% |", Rotation::name.data(), spin_at_10, spin, 100 * max_change);
   if (doubled < 0)
     std::printf(" never |\n");
   else

@@ -32,7 +32,7 @@ struct BenchOptions {
   int threads = 1;
   double tolerance = 1.5e-3;
   PreconditionerKind preconditioner = PreconditionerKind::automatic;
-  Dilatation dilatation = Dilatation::per_element;
+  VolumetricStrain volumetric_strain = VolumetricStrain::pointwise;
   std::string csv;
 };
 
@@ -103,8 +103,8 @@ Field<double> of_each_vertex(Index count, Function&& function) {
 
 /// |dv - dv'| / |dv'| in the norm of the mass, dv the change of velocity in the sampled step and dv' that of a step
 /// from the same state in double, solved to 1e-10. The largest of all samples.
-double largest_error(const Scene& scene, const MeshData& mesh, const std::vector<Index>& pins,
-                     const std::vector<Sample>& samples) {
+double max_error(const Scene& scene, const MeshData& mesh, const std::vector<Index>& pins,
+                 const std::vector<Sample>& samples) {
   Scene exact = scene;
   exact.scalar = ScalarKind::double_precision;
   exact.solver.tolerance = 1e-10;
@@ -133,7 +133,7 @@ Row measure(const BenchOptions& options, const std::string& name) {
   Scene scene;
   scene.mesh = name;
   scene.material = {options.young, options.poisson, 1000};
-  scene.dilatation = options.dilatation;
+  scene.volumetric_strain = options.volumetric_strain;
   scene.solver.preconditioner = options.preconditioner;
   scene.solver.tolerance = options.tolerance;
   Row row;
@@ -183,7 +183,7 @@ Row measure(const BenchOptions& options, const std::string& name) {
   row.spmv_us = simulation->measure_spmv_us();
   row.kernels = simulation->measure_kernels(pool);
   simulation.reset();
-  row.error = largest_error(scene, mesh, pins, samples);
+  row.error = max_error(scene, mesh, pins, samples);
   return row;
 }
 
@@ -275,9 +275,9 @@ Command add_bench_command(CLI::App& app) {
       ->check(CLI::Range(1e-12, 0.5));
   syntax->add_option("--preconditioner", options->preconditioner, "As in a scene (auto)")
       ->transform(CLI::CheckedTransformer(preconditioners()));
-  syntax->add_option("--dilatation", options->dilatation, "per_element or mean, as in a scene (per_element)")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Dilatation>{{"per_element", Dilatation::per_element}, {"mean", Dilatation::mean}}));
+  syntax->add_option("--dilatation", options->volumetric_strain, "per_element or mean, as in a scene (per_element)")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, VolumetricStrain>{
+          {"per_element", VolumetricStrain::pointwise}, {"mean", VolumetricStrain::averaged}}));
   syntax->add_option("--csv", options->csv, "Also write the table to this file");
   syntax->footer(
       "The body is held at its least x and falls under gravity along z, in float, density 1000 kg/m^3, lumped mass,\n"

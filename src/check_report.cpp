@@ -55,7 +55,7 @@ CheckReport check_mesh(const std::string& file, Index worst_count) {
   Index& flipped = report.flipped_elements;
   report.float_refusal =
       quadratic ? refusal_of<float, Tet10>(report.mesh, flipped) : refusal_of<float, Tet4>(report.mesh, flipped);
-  report.refusal =
+  report.error =
       quadratic ? refusal_of<double, Tet10>(report.mesh, flipped) : refusal_of<double, Tet4>(report.mesh, flipped);
   if (const auto boundary = extract_boundary(report.mesh); !boundary) report.overlap = boundary.error().message();
   return report;
@@ -96,7 +96,7 @@ std::string format_text(const CheckReport& report) {
   if (!report.overlap.empty()) say("\n  warning: {}", report.overlap);
   if (report.usable() && !report.float_refusal.empty())
     say("\n  warning: in float it cannot be used: {}; a scene needs \"scalar\": \"double\"", report.float_refusal);
-  say("\n  {}", report.usable() ? "usable" : "not usable: " + report.refusal);
+  say("\n  {}", report.usable() ? "usable" : "not usable: " + report.error);
   return text;
 }
 
@@ -105,7 +105,7 @@ Json to_json(const CheckReport& report) {
   Json json;
   json["file"] = report.file;
   json["usable"] = report.usable();
-  if (!report.usable()) json["reason"] = report.refusal;
+  if (!report.usable()) json["reason"] = report.error;
   json["usable_in_float"] = report.float_refusal.empty();
   if (!report.float_refusal.empty()) json["reason_in_float"] = report.float_refusal;
   json["vertices"] = report.mesh.vertex_count();

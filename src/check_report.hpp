@@ -20,11 +20,11 @@ struct CheckReport {
   std::vector<WorstElement> worst;
   std::map<ElementDefect, Index> defects;  ///< how many elements have each, `none` left out
   Index flipped_elements = 0;              ///< wound the other way round; turned when the mesh is used
-  std::string refusal;                     ///< why the mesh cannot be used; empty if it can
+  std::string error;                       ///< why the mesh cannot be used; empty if it can
   std::string float_refusal;               ///< the same in float
   std::string overlap;                     ///< where elements overlap at a face; empty if they do not, or are unusable
 
-  [[nodiscard]] bool usable() const { return refusal.empty(); }
+  [[nodiscard]] bool usable() const { return error.empty(); }
 };
 
 /// Looks at a mesh, with its `worst_count` worst elements. Throws a Failure if the file cannot be read.

@@ -10,11 +10,11 @@ namespace corotet::program {
 
 std::string Range::text() const {
   const bool above = std::isfinite(least), below = std::isfinite(most);
-  const char* least_sign = least_excluded ? ">" : ">=";
-  const char* most_sign = most_excluded ? "<" : "<=";
-  if (above && below) return fmt::format("must be {} {} and {} {}", least_sign, least, most_sign, most);
-  if (above) return fmt::format("must be {} {}", least_sign, least);
-  if (below) return fmt::format("must be {} {}", most_sign, most);
+  const char* min_sign = min_excluded ? ">" : ">=";
+  const char* max_sign = max_excluded ? "<" : "<=";
+  if (above && below) return fmt::format("must be {} {} and {} {}", min_sign, least, max_sign, most);
+  if (above) return fmt::format("must be {} {}", min_sign, least);
+  if (below) return fmt::format("must be {} {}", max_sign, most);
   return "must be finite";
 }
 

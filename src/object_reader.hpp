@@ -20,8 +20,8 @@ namespace corotet::program {
 struct Range {
   double least = -std::numeric_limits<double>::infinity();
   double most = std::numeric_limits<double>::infinity();
-  bool least_excluded = false;
-  bool most_excluded = false;
+  bool min_excluded = false;
+  bool max_excluded = false;
 
   [[nodiscard]] static Range any() { return {}; }
   [[nodiscard]] static Range above(double least) {
@@ -33,7 +33,7 @@ struct Range {
   [[nodiscard]] static Range between(double least, double most) { return {least, most, true, true}; }
 
   [[nodiscard]] bool contains(double x) const {
-    return (least_excluded ? x > least : x >= least) && (most_excluded ? x < most : x <= most);
+    return (min_excluded ? x > least : x >= least) && (max_excluded ? x < most : x <= most);
   }
   [[nodiscard]] std::string text() const;
 };

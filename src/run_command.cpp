@@ -96,7 +96,7 @@ void warn(const StepStatistics& steps, const RunFacts& facts) {
   }
   if (facts.surface && facts.surface->outside > 0) {
     say(fmt::format("{} surface vertices lie outside the mesh, by up to {:.3g} m; they follow the nearest element",
-                    facts.surface->outside, facts.surface->largest_distance));
+                    facts.surface->outside, facts.surface->max_distance));
   }
 }
 

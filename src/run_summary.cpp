@@ -46,18 +46,18 @@ void StepStatistics::add(const StepReport& report, const PhaseClock& clock, doub
   cpu_s_ += cpu_s;
   iterations_ += report.iterations;
   newton_iterations_ += report.newton_iterations;
-  most_newton_iterations_ = std::max(most_newton_iterations_, report.newton_iterations);
+  max_newton_iterations_ = std::max(max_newton_iterations_, report.newton_iterations);
   worst_newton_residual_ = std::max(worst_newton_residual_, report.newton_residual);
   if (!report.newton_converged) ++newton_unconverged_;
-  if (report.distrust != Distrust::none) ++untrusted_;
+  if (report.warning != StepWarning::none) ++untrusted_;
   sub_steps_ += report.sub_steps;
-  most_sub_steps_ = std::max(most_sub_steps_, report.sub_steps);
-  most_iterations_ = std::max(most_iterations_, report.iterations);
+  max_sub_steps_ = std::max(max_sub_steps_, report.sub_steps);
+  max_iterations_ = std::max(max_iterations_, report.iterations);
   worst_residual_ = std::max(worst_residual_, report.residual);
   ++accepted_;
   if (report.converged) ++converged_;
   if (report.inverted_elements > 0) ++inverted_;
-  most_inverted_ = std::max(most_inverted_, report.inverted_elements);
+  max_inverted_ = std::max(max_inverted_, report.inverted_elements);
   last_ = report;
 }
 
@@ -74,15 +74,15 @@ void StepStatistics::write_to(Json& summary) const {
   summary["cpu_ms_per_step"] = mean(1000 * cpu_s_);
   summary["assembly_ms"] = percentile(assembly_ms_, 50);
   summary["solve_ms"] = percentile(solve_ms_, 50);
-  summary["iterations"] = {{"mean", mean(iterations_)}, {"max", most_iterations_}};
+  summary["iterations"] = {{"mean", mean(iterations_)}, {"max", max_iterations_}};
   summary["residual"] = worst_residual_;
-  summary["newton"] = {{"iterations", {{"mean", mean(newton_iterations_)}, {"max", most_newton_iterations_}}},
+  summary["newton"] = {{"iterations", {{"mean", mean(newton_iterations_)}, {"max", max_newton_iterations_}}},
                        {"residual", worst_newton_residual_}};
-  summary["sub_steps"] = {{"mean", mean(sub_steps_)}, {"max", most_sub_steps_}};
+  summary["sub_steps"] = {{"mean", mean(sub_steps_)}, {"max", max_sub_steps_}};
   summary["inverted_elements"] = last_.inverted_elements;
-  summary["inverted_elements_max"] = most_inverted_;
-  summary["largest_rotation"] = last_.largest_rotation;
-  summary["largest_strain"] = last_.largest_strain;
+  summary["inverted_elements_max"] = max_inverted_;
+  summary["largest_rotation"] = last_.max_rotation;
+  summary["largest_strain"] = last_.max_strain;
   summary["status"] = {
       {"converged", converged_}, {"unconverged", accepted_ - converged_}, {"newton_unconverged", newton_unconverged_},
       {"untrusted", untrusted_}, {"with_inverted_elements", inverted_},   {"refused", refused_}};
@@ -103,7 +103,7 @@ std::string format_summary(const Scene& scene, const RunInput& input, const RunF
   summary["scalar"] = scene.scalar == ScalarKind::single_precision ? "float" : "double";
   summary["rotation"] = name_of(scene.rotation);
   summary["rotation_site"] = scene.rotation_site == RotationSite::point ? "point" : "element";
-  summary["dilatation"] = scene.dilatation == Dilatation::mean ? "mean" : "per_element";
+  summary["dilatation"] = scene.volumetric_strain == VolumetricStrain::averaged ? "mean" : "per_element";
   summary["mass"] = scene.mass == MassModel::lumped ? "lumped" : "consistent";
   summary["integrator"] = {{"name", name_of(scene.integrator)},
                            {"dt", scene.dt},
@@ -126,7 +126,7 @@ std::string format_summary(const Scene& scene, const RunInput& input, const RunF
     summary["surface"] = {{"vertices", input.surface->positions.size()},
                           {"triangles", input.surface->triangles.size()},
                           {"vertices_outside", facts.surface->outside},
-                          {"largest_distance", facts.surface->largest_distance}};
+                          {"largest_distance", facts.surface->max_distance}};
   summary["probes"] = Json::array();
   for (const Index v : input.probes) {
     const Vec3<double>& x = input.mesh.positions[at(v)];

@@ -37,12 +37,12 @@ class StepStatistics {
   std::vector<double> step_ms_, assembly_ms_, solve_ms_;
   double cpu_s_ = 0;
   double iterations_ = 0, newton_iterations_ = 0;
-  int most_iterations_ = 0, most_newton_iterations_ = 0;
+  int max_iterations_ = 0, max_newton_iterations_ = 0;
   double sub_steps_ = 0;
-  int most_sub_steps_ = 0;
+  int max_sub_steps_ = 0;
   double worst_residual_ = 0, worst_newton_residual_ = 0;
   Index accepted_ = 0, converged_ = 0, newton_unconverged_ = 0, untrusted_ = 0, inverted_ = 0, refused_ = 0;
-  Index most_inverted_ = 0;
+  Index max_inverted_ = 0;
   StepReport last_;
 };
 

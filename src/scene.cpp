@@ -107,17 +107,17 @@ void read_integrator(ObjectReader& in, Scene& scene) {
   in.integer("newton", scene.newton.iterations, 1);
   in.number("newton_tolerance", scene.newton.tolerance, Range::between(0, 1));
   in.choice("tangent", scene.newton.tangent,
-            {{"plain", Tangent::plain}, {"stretch_stable", Tangent::stretch_stable}, {"exact", Tangent::exact}});
+            {{"plain", Tangent::warped}, {"stretch_stable", Tangent::stabilized}, {"exact", Tangent::consistent}});
   in.choice("energy", scene.newton.bounds_energy, {{"bounded", true}, {"as_integrated", false}});
   in.choice("spin", scene.newton.keeps_angular_momentum, {{"kept", true}, {"as_integrated", false}});
   in.choice("untrusted", scene.untrusted,
-            {{"accept", Untrusted::accept}, {"refuse", Untrusted::refuse}, {"divide", Untrusted::divide}});
+            {{"accept", OnUnreliable::accept}, {"refuse", OnUnreliable::refuse}, {"divide", OnUnreliable::divide}});
 }
 
 /// What the integrator asks of other keys.
 void check_integrator(const Scene& scene, Problems& problems) {
   const bool polar = scene.rotation == RotationKind::polar && scene.rotation_site == RotationSite::point;
-  if (scene.newton.tangent == Tangent::exact && !polar)
+  if (scene.newton.tangent == Tangent::consistent && !polar)
     problems.add("integrator.tangent", "exact is known only for \"rotation\": \"polar\" at each point");
 }
 
@@ -199,7 +199,8 @@ Scene read_scene(const fs::path& path) {
           [&](const Json& force, const std::string& where) { read_force(force, where, problems, scene.forces); });
   in.vector("gravity", scene.gravity);
   in.choice("mass", scene.mass, {{"lumped", MassModel::lumped}, {"consistent", MassModel::consistent}});
-  in.choice("dilatation", scene.dilatation, {{"per_element", Dilatation::per_element}, {"mean", Dilatation::mean}});
+  in.choice("dilatation", scene.volumetric_strain,
+            {{"per_element", VolumetricStrain::pointwise}, {"mean", VolumetricStrain::averaged}});
   in.choice("rotation", scene.rotation,
             {{"identity", RotationKind::identity},
              {"gram_schmidt", RotationKind::gram_schmidt},

@@ -4,8 +4,8 @@
 #include <corotet/assembly/mass.hpp>
 #include <corotet/assembly/mean_dilatation.hpp>
 #include <corotet/core/types.hpp>
-#include <corotet/dynamics/adaptive_step.hpp>
-#include <corotet/dynamics/newton_options.hpp>
+#include <corotet/dynamics/step_options.hpp>
+#include <corotet/dynamics/substepping_integrator.hpp>
 #include <corotet/material/material.hpp>
 #include <corotet/solve/auto_solver.hpp>
 #include <filesystem>
@@ -55,13 +55,13 @@ struct Scene {
   std::vector<ForceBox> forces;
   Vec3<double> gravity{0, 0, -9.81};  ///< m/s^2
   MassModel mass = MassModel::lumped;
-  Dilatation dilatation = Dilatation::per_element;
+  VolumetricStrain volumetric_strain = VolumetricStrain::pointwise;
   RotationKind rotation = RotationKind::polar;
   RotationSite rotation_site = RotationSite::point;
   IntegratorKind integrator = IntegratorKind::implicit_euler;
   double dt = 1.0 / 60;  ///< s
-  NewtonOptions newton;
-  Untrusted untrusted = Untrusted::accept;
+  StepOptions newton;
+  OnUnreliable untrusted = OnUnreliable::accept;
   SolverOptions solver;
   std::optional<std::filesystem::path> initial_positions, initial_velocities;
   std::optional<Vec3<double>> initial_velocity;          ///< of all vertices, m/s

@@ -39,8 +39,8 @@ struct KernelTimes {
 
 /// How an embedded surface lies in the mesh.
 struct BindingFacts {
-  Index outside = 0;            ///< vertices outside the mesh
-  double largest_distance = 0;  ///< of those, m
+  Index outside = 0;        ///< vertices outside the mesh
+  double max_distance = 0;  ///< of those, m
 };
 
 /// A surface as it is now, in world coordinates.

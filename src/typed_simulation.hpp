@@ -5,11 +5,11 @@
 #include <corotet/assembly/block_matrix.hpp>
 #include <corotet/core/executor.hpp>
 #include <corotet/core/thread_pool.hpp>
-#include <corotet/dynamics/adaptive_step.hpp>
 #include <corotet/dynamics/bdf2.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <corotet/dynamics/soft_body.hpp>
 #include <corotet/dynamics/static_solve.hpp>
+#include <corotet/dynamics/substepping_integrator.hpp>
 #include <corotet/embed/embedded_surface.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
 #include <corotet/rotation/gram_schmidt.hpp>
@@ -108,7 +108,7 @@ class TypedSimulation final : public Simulation {
     auto bound = EmbeddedSurface<Scalar, Element>::bind(body_.mesh(), surface, pool);
     if (!bound) return bound.error();
     surface_ = std::move(bound).value();
-    return BindingFacts{surface_->outside_count(), surface_->largest_distance()};
+    return BindingFacts{surface_->outside_count(), surface_->max_distance()};
   }
 
   [[nodiscard]] SurfaceState surface() override {
@@ -164,12 +164,12 @@ class TypedSimulation final : public Simulation {
   }
 
  private:
-  using Euler = AdaptiveStep<ImplicitEuler<Body>, Body>;
-  using SecondOrder = AdaptiveStep<Bdf2<Body>, Body>;
+  using Euler = SubsteppingIntegrator<ImplicitEuler<Body>, Body>;
+  using SecondOrder = SubsteppingIntegrator<Bdf2<Body>, Body>;
   using Integrator = std::variant<Euler, SecondOrder>;
 
   static Integrator make_integrator(const Scene& scene, const Body& body) {
-    const TrustOptions trust{.otherwise = scene.untrusted};
+    const SubsteppingOptions trust{.on_unreliable = scene.untrusted};
     if (scene.integrator == IntegratorKind::bdf2)
       return SecondOrder(Bdf2<Body>(body, scene.solver, scene.newton), body, trust);
     return Euler(ImplicitEuler<Body>(body, scene.solver, scene.newton), body, trust);
@@ -184,8 +184,9 @@ class TypedSimulation final : public Simulation {
                                (unused_vertex ? "; `corotet mesh --from FILE --clean` writes a mesh without it" : ""));
     }
     problems.stop_if_any();
-    return require(Body::create(std::move(checked).value(), scene.material,
-                                {.mass = scene.mass, .damping = scene.damping, .dilatation = scene.dilatation}));
+    return require(
+        Body::create(std::move(checked).value(), scene.material,
+                     {.mass = scene.mass, .damping = scene.damping, .volumetric_strain = scene.volumetric_strain}));
   }
 
   [[nodiscard]] Vec3<double> rest(Index vertex) const {

@@ -28,7 +28,7 @@ Vec3<float> strike(Body& body, const Vec3<double>& where, const Vec3<float>& imp
 
 //! [measures]
 /// The largest von Mises stress of the body as it is now, Pa.
-float largest_stress(const Body& body) {
+float max_stress(const Body& body) {
   std::vector<ElementMeasures<float>> measures(at(body.mesh().element_count()));
   element_measures(body, std::span(measures));
   float largest = 0;
@@ -68,7 +68,7 @@ int main() {
   if (!(strike(*body, {1, 0.1, 0.1}, {0, 0, 1}).z() > 0)) return 1;
   body->set_gravity({0, 0, -9.81f});
   simulate(*body);
-  if (!(largest_stress(*body) > 0) || !solve_static(*body).converged) return 1;
+  if (!(max_stress(*body) > 0) || !solve_static(*body).converged) return 1;
   const double carried = carried_by_pins(*body).z(), weight = 9.81 * body->mass().total();
   std::printf("the pins carry %.1f N of %.1f N\n", carried, weight);
   return carried > 0.99 * weight && carried < 1.01 * weight ? 0 : 1;

@@ -29,7 +29,7 @@ void simulate(Body& body) {
 //! [bdf2]
 /// The same by the integrator of second order, with Newton's method.
 void simulate_accurately(Body& body) {
-  Bdf2<Body> bdf2(body, SolverOptions{.tolerance = 1e-6}, {.iterations = 10, .tangent = Tangent::exact});
+  Bdf2<Body> bdf2(body, SolverOptions{.tolerance = 1e-6}, {.iterations = 10, .tangent = Tangent::consistent});
   for (int step = 0; step < 60; ++step) {
     const StepReport report = bdf2.step(body, 1.0f / 60);
     if (!report.newton_converged) std::printf("step %d: error %.1e\n", step, report.newton_residual);
@@ -40,7 +40,8 @@ void simulate_accurately(Body& body) {
 //! [adaptive]
 /// A hard jolt: steps that cannot be trusted are divided into at most 16.
 int jolt(Body& body) {
-  AdaptiveStep stepper(ImplicitEuler<Body>(body), body, {.otherwise = Untrusted::divide, .most_halvings = 4});
+  SubsteppingIntegrator stepper(ImplicitEuler<Body>(body), body,
+                                {.on_unreliable = OnUnreliable::divide, .max_halvings = 4});
   for (const Index pin : body.pins().vertices()) body.move_pin(pin, body.position(pin) + Vec3<float>(0.5f, 0, 0));
   const StepReport report = stepper.step(body, 1.0f / 60);
   return report.sub_steps;

@@ -28,7 +28,9 @@ const std::vector<Setting>& settings() {
        [](const C& c) -> std::string { return c.scene.rotation_site == RotationSite::point ? "point" : "element"; }},
       {"mass", [](const C& c) -> std::string { return c.scene.mass == MassModel::lumped ? "lumped" : "consistent"; }},
       {"dilatation",
-       [](const C& c) -> std::string { return c.scene.dilatation == Dilatation::mean ? "mean" : "per_element"; }},
+       [](const C& c) -> std::string {
+         return c.scene.volumetric_strain == VolumetricStrain::averaged ? "mean" : "per_element";
+       }},
       {"integrator", [](const C& c) -> std::string { return name_of(c.scene.integrator); }},
       {"newton", [](const C& c) { return fmt::format("{}", c.scene.newton.iterations); }},
       {"newton_tolerance", [](const C& c) { return fmt::format("{:.3g}", c.scene.newton.tolerance); }},
@@ -58,10 +60,10 @@ Configuration tightened(Configuration configuration) {
 }
 
 Configuration converged(Configuration configuration) {
-  NewtonOptions& newton = configuration.scene.newton;
+  StepOptions& newton = configuration.scene.newton;
   newton.iterations = 50;
   newton.tolerance = 1e-8;
-  newton.tangent = Tangent::exact;
+  newton.tangent = Tangent::consistent;
   return configuration;
 }
 

@@ -48,16 +48,18 @@ std::vector<Planned> plan(const Study& study, const Configuration& base) {
   vary("scalar", [](Scene& s) {
     s.scalar = s.scalar == ScalarKind::double_precision ? ScalarKind::single_precision : ScalarKind::double_precision;
   });
-  vary("dilatation",
-       [](Scene& s) { s.dilatation = s.dilatation == Dilatation::mean ? Dilatation::per_element : Dilatation::mean; });
+  vary("dilatation", [](Scene& s) {
+    s.volumetric_strain =
+        s.volumetric_strain == VolumetricStrain::averaged ? VolumetricStrain::pointwise : VolumetricStrain::averaged;
+  });
   const bool has_energy = base.scene.rotation == RotationKind::polar && base.scene.rotation_site == RotationSite::point;
   for (const int iterations : {2, 20})
     vary("newton", [&](Scene& s) {
       s.newton.iterations = iterations;
-      if (has_energy) s.newton.tangent = Tangent::exact;
+      if (has_energy) s.newton.tangent = Tangent::consistent;
     });
-  for (const auto tangent : {Tangent::plain, Tangent::stretch_stable, Tangent::exact})
-    if (has_energy || tangent != Tangent::exact) vary("tangent", [&](Scene& s) { s.newton.tangent = tangent; });
+  for (const auto tangent : {Tangent::warped, Tangent::stabilized, Tangent::consistent})
+    if (has_energy || tangent != Tangent::consistent) vary("tangent", [&](Scene& s) { s.newton.tangent = tangent; });
   for (const double tolerance : {1e-1, 1e-2, 1e-4, 1e-5})
     vary("tolerance", [&](Scene& s) { s.solver.tolerance = tolerance; });
   vary("solver", [](Scene& s) { s.solver.method = SolverMethod::cholesky; });

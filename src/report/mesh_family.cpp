@@ -90,7 +90,7 @@ std::optional<BlockOptions> find_grid(const MeshData& linear) {
   return block;
 }
 
-MeshFamily make_family(const MeshData& mesh, Index most_elements) {
+MeshFamily make_family(const MeshData& mesh, Index max_elements) {
   MeshFamily family;
   MeshData linear = lower_order(mesh);
   if (const std::optional<BlockOptions> grid = find_grid(linear); grid && linear.regions.empty()) {
@@ -101,7 +101,7 @@ MeshFamily make_family(const MeshData& mesh, Index most_elements) {
       for (Index& n : scaled.cells) n = std::max<Index>(1, static_cast<Index>(std::lround(n * factor)));
       if (factor < 1 && scaled.cells == grid->cells) continue;
       if (!cells.empty() && scaled.cells == cells.back()) continue;
-      if (factor > 1 && element_count(scaled) > most_elements) break;
+      if (factor > 1 && element_count(scaled) > max_elements) break;
       if (factor == 1) family.own = size_of(cells);
       cells.push_back(scaled.cells);
     }
@@ -113,7 +113,7 @@ MeshFamily make_family(const MeshData& mesh, Index most_elements) {
   }
   if (has_curved_edges(mesh)) family.notes = "edges of the mesh are curved: the study takes them as straight";
   add_level(family, "mesh", std::move(linear));
-  for (int halvings = 2; family.levels.back().linear.element_count() <= most_elements / 8; halvings *= 2)
+  for (int halvings = 2; family.levels.back().linear.element_count() <= max_elements / 8; halvings *= 2)
     add_level(family, fmt::format("mesh/{}", halvings), refine_red(family.levels.back().linear));
   return family;
 }

@@ -35,8 +35,8 @@ struct MeshFamily {
 [[nodiscard]] MeshFamily make_family(const BlockOptions& block, const std::vector<std::array<Index, 3>>& cells);
 
 /// Around any mesh. One that is a box cut into a grid of cells (by make_block, say) is cut anew into coarser and finer
-/// grids; of any other there are refinements only (refine_red), as long as they have at most `most_elements`.
-[[nodiscard]] MeshFamily make_family(const MeshData& mesh, Index most_elements);
+/// grids; of any other there are refinements only (refine_red), as long as they have at most `max_elements`.
+[[nodiscard]] MeshFamily make_family(const MeshData& mesh, Index max_elements);
 
 /// The box and cells of a mesh whose vertices form an even grid that fills their bounding box.
 [[nodiscard]] std::optional<BlockOptions> find_grid(const MeshData& linear);

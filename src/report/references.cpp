@@ -21,8 +21,8 @@ Track extrapolate(const Track& fine, const Track& coarse) {
 
 }  // namespace
 
-References::References(const Study& study, int level, ThreadPool& pool, Allowance& allowance, double share)
-    : study_(study), pool_(pool), allowance_(allowance), level_(level) {
+References::References(const Study& study, int level, ThreadPool& pool, TimeBudget& budget, double share)
+    : study_(study), pool_(pool), allowance_(budget), level_(level) {
   (void)of(tight({study_.scene, study_.base_level, 2}));  // tells the allowance what this machine can do
   const auto cost = [&] {
     Configuration finest{study_.scene, level_, 2};
@@ -31,9 +31,9 @@ References::References(const Study& study, int level, ThreadPool& pool, Allowanc
     if (!study_.at_rest)
       for (finest.scene.dt = shortest_dt() / 2; finest.scene.dt < study_.sample_interval * 1.01; finest.scene.dt *= 2)
         sum += (finest.scene.dt < 1.5 * shortest_dt() ? solves : 2) *
-               allowance_.estimate(Allowance::Kind::tight_tet10, elements(finest), steps(finest));
+               allowance_.estimate(TimeBudget::Kind::tight_tet10, elements(finest), steps(finest));
     else
-      sum = allowance_.estimate(Allowance::Kind::tight_tet10, elements(finest), steps(finest));
+      sum = allowance_.estimate(TimeBudget::Kind::tight_tet10, elements(finest), steps(finest));
     return sum;
   };
   while (level_ > 0 && cost() > share * allowance_.left()) --level_;
@@ -55,7 +55,8 @@ const RunResult& References::of(const Configuration& configuration) {
   place->second = run(study_, configuration, pool_);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (place->second.steps > 0)
-    allowance_.learn(Allowance::kind(configuration.order, true), elements(configuration), place->second.steps, seconds);
+    allowance_.learn(TimeBudget::kind(configuration.order, true), elements(configuration), place->second.steps,
+                     seconds);
   return place->second;
 }
 
@@ -69,7 +70,7 @@ Configuration References::on_finest_mesh(Configuration configuration) const {
   configuration = tight(configuration);
   // Lumping 10-node elements spreads their weight with an error of second order, where they have one of third.
   configuration.scene.mass = MassModel::consistent;
-  configuration.scene.dilatation = study_.scene.dilatation;
+  configuration.scene.volumetric_strain = study_.scene.volumetric_strain;
   configuration.level = level_;
   configuration.order = 2;
   return configuration;
@@ -118,11 +119,11 @@ ErrorParts References::parts(const Configuration& configuration, const RunResult
 }
 
 double References::estimate(const Configuration& c) const {
-  double sum = allowance_.estimate(Allowance::kind(c.order, false), elements(c), steps(c));
+  double sum = allowance_.estimate(TimeBudget::kind(c.order, false), elements(c), steps(c));
   if (!runs_.contains(key_of(tight(c))))
-    sum += allowance_.estimate(Allowance::kind(c.order, true), elements(c), steps(c));
+    sum += allowance_.estimate(TimeBudget::kind(c.order, true), elements(c), steps(c));
   const Configuration fine = on_finest_mesh(c);
-  if (!runs_.contains(key_of(fine))) sum += allowance_.estimate(Allowance::kind(2, true), elements(fine), steps(fine));
+  if (!runs_.contains(key_of(fine))) sum += allowance_.estimate(TimeBudget::kind(2, true), elements(fine), steps(fine));
   return sum;
 }
 

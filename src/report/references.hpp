@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "allowance.hpp"
 #include "error_norms.hpp"
 #include "study.hpp"
+#include "time_budget.hpp"
 
 namespace corotet::program {
 
@@ -23,7 +23,7 @@ struct ErrorParts {
 class References {
  public:
   /// Uses at most `share` of what is left of the allowance for the finest runs: else it takes a coarser mesh for them.
-  References(const Study& study, int level, ThreadPool& pool, Allowance& allowance, double share);
+  References(const Study& study, int level, ThreadPool& pool, TimeBudget& budget, double share);
 
   /// Of 10-node elements.
   [[nodiscard]] int level() const { return level_; }
@@ -56,7 +56,7 @@ class References {
 
   const Study& study_;
   ThreadPool& pool_;
-  Allowance& allowance_;
+  TimeBudget& allowance_;
   int level_;
   std::map<std::string, RunResult> runs_;
   std::optional<RunResult> exact_;

@@ -15,10 +15,10 @@
 #include "../failure.hpp"
 #include "../progress.hpp"
 #include "../run_input.hpp"
-#include "allowance.hpp"
 #include "cases.hpp"
-#include "conduct.hpp"
 #include "report_files.hpp"
+#include "run_study.hpp"
+#include "time_budget.hpp"
 
 namespace corotet::program {
 namespace {
@@ -85,14 +85,14 @@ int report(const ReportOptions& options) {
   double seconds = 60 * (options.minutes > 0 ? options.minutes
                          : options.quick     ? 0.8
                                              : 10);  // the last run may end later
-  const Allowance whole(seconds);
+  const TimeBudget whole(seconds);
   std::vector<StudyReport> reports;
   constexpr int parts = 1000;
   {
     Progress progress(parts);
     for (std::size_t s = 0; s < studies.size(); ++s) {
-      Allowance share(whole.left() / double(studies.size() - s));
-      reports.push_back(conduct(studies[s], threads, share, [&](const std::string& what, double part) {
+      TimeBudget share(whole.left() / double(studies.size() - s));
+      reports.push_back(run_study(studies[s], threads, share, [&](const std::string& what, double part) {
         progress.show(static_cast<int>(parts * (double(s) + part) / double(studies.size())), what);
       }));
     }

@@ -68,7 +68,7 @@ int tune(const TuneOptions& options) {
   const Study study = study_of(scene, input, options.quick);
   const int machine = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 2);
   ThreadPool threads(options.threads > 0 ? options.threads : machine);
-  Allowance allowance(60 * options.minutes);
+  TimeBudget budget(60 * options.minutes);
   TuningGoal goal;
   if (options.error > 0) goal.error = options.error;
   if (options.budget_ms > 0) goal.budget_ms = options.budget_ms;
@@ -81,7 +81,7 @@ int tune(const TuneOptions& options) {
   const Tuning tuning = [&] {
     constexpr int parts = 1000;
     Progress progress(parts);
-    return program::tune(study, goal, threads, allowance, confirm, [&](const std::string& what, double part) {
+    return program::tune(study, goal, threads, budget, confirm, [&](const std::string& what, double part) {
       progress.show(static_cast<int>(parts * part), what);
     });
   }();

@@ -22,12 +22,12 @@ class Tuner {
  public:
   using Observer = std::function<void(const std::string&, double)>;
 
-  Tuner(const Study& study, const TuningGoal& goal, ThreadPool& threads, Allowance& allowance, const Observer& observer)
+  Tuner(const Study& study, const TuningGoal& goal, ThreadPool& threads, TimeBudget& budget, const Observer& observer)
       : study_(study),
         goal_(goal),
-        allowance_(allowance),
+        allowance_(budget),
         observer_(observer),
-        references_(study, study.reference_level, threads, allowance, 0.4) {}
+        references_(study, study.reference_level, threads, budget, 0.4) {}
 
   Tuning tune(const Confirm& confirm) {
     (void)references_.exact();
@@ -190,7 +190,7 @@ class Tuner {
 
   const Study& study_;
   const TuningGoal& goal_;
-  Allowance& allowance_;
+  TimeBudget& allowance_;
   const Observer& observer_;
   References references_;
   std::vector<Candidate> meshes_, times_, candidates_, predictions_;
@@ -198,9 +198,9 @@ class Tuner {
 
 }  // namespace
 
-Tuning tune(const Study& study, const TuningGoal& goal, ThreadPool& threads, Allowance& allowance,
-            const Confirm& confirm, const std::function<void(const std::string&, double)>& observer) {
-  return Tuner(study, goal, threads, allowance, observer).tune(confirm);
+Tuning tune(const Study& study, const TuningGoal& goal, ThreadPool& threads, TimeBudget& budget, const Confirm& confirm,
+            const std::function<void(const std::string&, double)>& observer) {
+  return Tuner(study, goal, threads, budget, observer).tune(confirm);
 }
 
 }  // namespace corotet::program

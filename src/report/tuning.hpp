@@ -38,7 +38,7 @@ using Confirm = std::function<RunResult(const Configuration&)>;
 
 /// What `confirm` returns is what `measured` is measured on. Throws a Failure that names the best that was found if no
 /// candidate reaches the goal. `observer` as for `conduct`.
-[[nodiscard]] Tuning tune(const Study& study, const TuningGoal& goal, ThreadPool& threads, Allowance& allowance,
+[[nodiscard]] Tuning tune(const Study& study, const TuningGoal& goal, ThreadPool& threads, TimeBudget& budget,
                           const Confirm& confirm, const std::function<void(const std::string&, double)>& observer);
 
 }  // namespace corotet::program

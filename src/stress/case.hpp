@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "case_result.hpp"
 #include "configuration.hpp"
-#include "verdict.hpp"
 
 namespace corotet::program::stress {
 
@@ -22,7 +22,7 @@ struct Case {
   std::string criterion;  ///< in words
   Solvers solvers = Solvers::all;
   std::vector<Ratio> ratios;
-  std::function<Verdict(const Configuration&, const Effort&)> run;
+  std::function<CaseResult(const Configuration&, const Effort&)> run;
 };
 
 /// In the order of the table.

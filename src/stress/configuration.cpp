@@ -27,14 +27,14 @@ Scene Configuration::scene() const {
   scene.order = order;
   scene.scalar = scalar;
   scene.material = {5e5, ratio.poisson, 1000};
-  scene.dilatation = ratio.dilatation;
+  scene.volumetric_strain = ratio.volumetric_strain;
   scene.gravity.setZero();
   scene.solver.method = solver.method;
   scene.solver.preconditioner = solver.preconditioner;
   if (stepping == Stepping::bdf2) scene.integrator = IntegratorKind::bdf2;
   if (stepping == Stepping::newton) {
     scene.newton.iterations = 20;
-    scene.newton.tangent = Tangent::exact;
+    scene.newton.tangent = Tangent::consistent;
   }
   if (tangent) scene.newton.tangent = *tangent;
   return scene;
@@ -57,12 +57,12 @@ std::vector<SolverChoice> solver_choices(Solvers which) {
 }
 
 std::vector<Ratio> ratios(Ratios which) {
-  std::vector<Ratio> all{{"nu=.3", 0.3, Dilatation::per_element},
-                         {"nu=.499", 0.499, Dilatation::per_element},
-                         {"nu=.499mean", 0.499, Dilatation::mean}};
+  std::vector<Ratio> all{{"nu=.3", 0.3, VolumetricStrain::pointwise},
+                         {"nu=.499", 0.499, VolumetricStrain::pointwise},
+                         {"nu=.499mean", 0.499, VolumetricStrain::averaged}};
   if (which == Ratios::all) {
-    all.push_back({"nu=0", 0, Dilatation::per_element});
-    all.push_back({"nu=.45", 0.45, Dilatation::per_element});
+    all.push_back({"nu=0", 0, VolumetricStrain::pointwise});
+    all.push_back({"nu=.45", 0.45, VolumetricStrain::pointwise});
   }
   return all;
 }

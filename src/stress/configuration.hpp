@@ -29,7 +29,7 @@ struct SolverChoice {
 struct Ratio {
   std::string_view name;  ///< "nu=.3"
   double poisson;
-  Dilatation dilatation;
+  VolumetricStrain volumetric_strain;
 };
 
 struct Configuration {
@@ -37,7 +37,7 @@ struct Configuration {
   ScalarKind scalar = ScalarKind::single_precision;
   Stepping stepping = Stepping::euler;
   SolverChoice solver{"auto", SolverMethod::automatic, PreconditionerKind::automatic};
-  Ratio ratio{"nu=.3", 0.3, Dilatation::per_element};
+  Ratio ratio{"nu=.3", 0.3, VolumetricStrain::pointwise};
   std::optional<Tangent> tangent;  ///< instead of the stepping's own
 
   /// "tet4 float euler auto nu=.3": the words that --only knows.

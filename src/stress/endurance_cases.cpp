@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "case.hpp"
-#include "trial.hpp"
+#include "test_body.hpp"
 
 namespace corotet::program::stress {
 namespace {
@@ -31,10 +31,10 @@ class EnergyWatch {
 };
 
 /// Falls under gravity and swings. The scale is the kinetic energy of its first swing.
-Verdict swing(const Configuration& configuration, int steps) {
+CaseResult swing(const Configuration& configuration, int steps) {
   Scene scene = configuration.scene();
   scene.gravity = {0, 0, -9.81};
-  Trial trial(scene, coarse_bar(configuration.order));
+  TestBody trial(scene, coarse_bar(configuration.order));
   trial.pin(at_left_end);
   EnergyWatch energy;
   energy.see(trial.energy());
@@ -44,15 +44,15 @@ Verdict swing(const Configuration& configuration, int steps) {
     scale = std::max(scale, trial.kinetic_energy());
     return false;
   });
-  Verdict verdict;
+  CaseResult verdict;
   trial.report_to(verdict);
   verdict.at_most("rise of the energy, of the swing's", energy.rise() / scale, 1e-3);
   return verdict;
 }
 
-Verdict spin_long(const Configuration& configuration, int steps) {
+CaseResult spin_long(const Configuration& configuration, int steps) {
   const Scene scene = configuration.scene();
-  Trial trial(scene, coarse_block(configuration.order));
+  TestBody trial(scene, coarse_block(configuration.order));
   const Vec3<double> centre = trial.centre();
   trial.push([&](Index v) { return Vec3<double>(0, 0, 0.1 / scene.dt).cross(trial.rest(v) - centre); });
   const double at_first = trial.energy(), momentum = trial.angular_momentum().norm();
@@ -65,7 +65,7 @@ Verdict spin_long(const Configuration& configuration, int steps) {
     if (trial.ledger().steps > 100) later.see(trial.energy());
     return false;
   });
-  Verdict verdict;
+  CaseResult verdict;
   trial.report_to(verdict);
   verdict.at_most("rise of the energy", energy.rise() / at_first, 1e-3);
   verdict.note("above that at the start", highest / at_first - 1);
@@ -75,23 +75,23 @@ Verdict spin_long(const Configuration& configuration, int steps) {
 }
 
 /// Comes to rest under gravity, damped (2/s M); then it must stay there.
-Verdict rest(const Configuration& configuration, int steps) {
+CaseResult rest(const Configuration& configuration, int steps) {
   Scene scene = configuration.scene();
   scene.gravity = {0, 0, -9.81};
   scene.damping.mass = 2;
-  Trial trial(scene, coarse_block(configuration.order));
+  TestBody trial(scene, coarse_block(configuration.order));
   trial.pin(at_left_end);
   trial.run(1200);
   Field<double> settled;
   for (Index v = 0; v < trial.vertices(); ++v) settled.push_back(trial.body().displacement(v));
   double drift = 0, jitter = 0;
   trial.run(steps, [&] {
-    jitter = std::max(jitter, trial.largest_speed() * scene.dt);
+    jitter = std::max(jitter, trial.max_speed() * scene.dt);
     for (Index v = 0; v < trial.vertices(); ++v)
       drift = std::max(drift, (trial.body().displacement(v) - settled[at(v)]).norm());
     return false;
   });
-  Verdict verdict;
+  CaseResult verdict;
   trial.report_to(verdict);
   verdict.at_most("drift, of the size", drift, 1e-6);
   verdict.at_most("motion in a step, of the size", jitter, 1e-6);
@@ -99,9 +99,9 @@ Verdict rest(const Configuration& configuration, int steps) {
 }
 
 /// One end is led around: turned to and fro, and sheared by half the length. Then it is held at rest again.
-Verdict lead(const Configuration& configuration, int steps, double turns) {
+CaseResult lead(const Configuration& configuration, int steps, double turns) {
   const Scene scene = configuration.settling_scene();
-  Trial trial(scene, twisted_bar(configuration.order));
+  TestBody trial(scene, twisted_bar(configuration.order));
   trial.pin(at_left_end);
   const auto right = trial.pin(at_right_end);
   int inverted = 0;
@@ -123,10 +123,10 @@ Verdict lead(const Configuration& configuration, int steps, double turns) {
     energy.see(trial.energy());
     return false;
   });
-  Verdict verdict;
+  CaseResult verdict;
   trial.report_to(verdict);
   verdict.at_most("rise of the energy after the pins stop, J", energy.rise(), 1e-3 * std::max(1.0, at_stop));
-  verdict.at_most("motion in a step, of the size", trial.largest_speed() * scene.dt, 1e-6);
+  verdict.at_most("motion in a step, of the size", trial.max_speed() * scene.dt, 1e-6);
   if (turns < slipping_turns)
     verdict.at_most("rms to rest", trial.rms_to_rest(), 1e-3);
   else
@@ -137,14 +137,14 @@ Verdict lead(const Configuration& configuration, int steps, double turns) {
   return verdict;
 }
 
-Verdict lead_1(const Configuration& configuration, int steps) { return lead(configuration, steps, 1.5); }
-Verdict lead_2(const Configuration& configuration, int steps) { return lead(configuration, steps, slipping_turns); }
+CaseResult lead_1(const Configuration& configuration, int steps) { return lead(configuration, steps, 1.5); }
+CaseResult lead_2(const Configuration& configuration, int steps) { return lead(configuration, steps, slipping_turns); }
 
 }  // namespace
 
 void add_endurance_cases(std::vector<Case>& cases) {
   const auto add = [&](const char* name, const char* set_up, const char* criterion,
-                       Verdict (*run)(const Configuration&, int)) {
+                       CaseResult (*run)(const Configuration&, int)) {
     cases.push_back({name, set_up, criterion, Solvers::two, ratios(Ratios::three),
                      [run](const Configuration& c, const Effort& effort) { return run(c, effort.long_steps); }});
   };

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "case.hpp"
-#include "trial.hpp"
+#include "test_body.hpp"
 
 namespace corotet::program::stress {
 namespace {
@@ -16,12 +16,12 @@ namespace {
 /// Spins about z and flies, `turns` revolutions. The block is `length` long; its stiffness grows with the speed
 /// squared, so that the strain is that of E = 5e5 Pa at h omega = 0.1: rho omega^2 length^2 / E = 0.072 for 1 m, 0.0115
 /// for 0.4 m.
-Verdict spin(const Configuration& configuration, double length, double h_omega, double turns) {
+CaseResult spin(const Configuration& configuration, double length, double h_omega, double turns) {
   Scene scene = configuration.scene();
   scene.material.young *= h_omega * h_omega / 0.01;
   MeshData mesh = block(configuration.order);
   for (Vec3<double>& x : mesh.positions) x *= length;
-  Trial trial(scene, std::move(mesh));
+  TestBody trial(scene, std::move(mesh));
   const double omega = h_omega / scene.dt;
   const Vec3<double> centre = trial.centre();
   const Vec3<double> flight = length * omega * Vec3<double>(0.3, 0.1, 0.2);
@@ -33,7 +33,7 @@ Verdict spin(const Configuration& configuration, double length, double h_omega, 
     inflation = std::max(inflation, trial.inertia_radius() / radius);
     return false;
   });
-  Verdict verdict;
+  CaseResult verdict;
   trial.report_to(verdict);
   const double kept = trial.angular_momentum().dot(spin_before) / spin_before.squaredNorm();
   verdict.at_least("angular momentum kept", kept, 0.99);
@@ -45,8 +45,8 @@ Verdict spin(const Configuration& configuration, double length, double h_omega, 
 }
 
 /// Two halves of unlike stiffness and density fly apart and cannot.
-Verdict unlike_halves(const Configuration& configuration, bool stiff_is_heavy) {
-  Trial trial(configuration.scene(), block(configuration.order));
+CaseResult unlike_halves(const Configuration& configuration, bool stiff_is_heavy) {
+  TestBody trial(configuration.scene(), block(configuration.order));
   const MeshData& mesh = trial.mesh();
   std::vector<Material> materials;
   std::vector<bool> of_stiff(mesh.positions.size(), false);
@@ -59,14 +59,14 @@ Verdict unlike_halves(const Configuration& configuration, bool stiff_is_heavy) {
     if (stiff)
       for (int k = 0; k < mesh.nodes_per_element; ++k) of_stiff[at(nodes[k])] = true;
   }
-  Verdict verdict;
+  CaseResult verdict;
   const Result<void> status = trial.body().set_materials(materials);
   verdict.expect(status.ok(), "the materials are refused");
   trial.push([&](Index v) { return of_stiff[at(v)] ? Vec3<double>(1, 0.5, 0) : Vec3<double>(0, 0, 0.2); });
   const Vec3<double> before = trial.momentum();
   trial.run(300);
   trial.report_to(verdict);
-  verdict.note("most iterations", trial.ledger().most_iterations);
+  verdict.note("most iterations", trial.ledger().max_iterations);
   verdict.at_most("steps with a solve at its limit of iterations", trial.ledger().capped, 0);
   verdict.note("steps short of the tolerance", trial.ledger().unconverged);
   verdict.at_most("momentum changed", (trial.momentum() - before).norm() / before.norm(),

@@ -9,35 +9,36 @@
 
 #include "../failure.hpp"
 #include "case.hpp"
-#include "trial.hpp"
+#include "test_body.hpp"
 
 namespace corotet::program::stress {
 namespace {
 
-const Ratio ratio_0{"nu=0", 0, Dilatation::per_element}, ratio_3{"nu=.3", 0.3, Dilatation::per_element};
+const Ratio ratio_0{"nu=0", 0, VolumetricStrain::pointwise}, ratio_3{"nu=.3", 0.3, VolumetricStrain::pointwise};
 
-Verdict hold_stretched(const Configuration& configuration, double stretch) {
-  Trial trial(configuration.settling_scene(), bar(configuration.order));
+CaseResult hold_stretched(const Configuration& configuration, double stretch) {
+  TestBody trial(configuration.settling_scene(), bar(configuration.order));
   trial.pin(at_left_end);
   const auto right = trial.pin(at_right_end);
   const double side = 1 - configuration.ratio.poisson * (stretch - 1);
   trial.place([&](Index v) { return trial.rest(v).cwiseProduct(Vec3<double>(stretch, side, side)); });
   for (const Index v : right) trial.body().move_pin(v, {stretch - 1, 0, 0});
   trial.run(600);
-  Verdict verdict;
+  CaseResult verdict;
   trial.report_to(verdict);
-  verdict.at_most("speed, m/s", trial.largest_speed(), 1e-3);
+  verdict.at_most("speed, m/s", trial.max_speed(), 1e-3);
   verdict.note("inverted", trial.last().inverted_elements);
   return verdict;
 }
 
 /// The bar's axis is along gravity, rho g L / E = 0.2: it grows by 0.1 m.
-Verdict hang(const Configuration& configuration, double h) {
+CaseResult hang(const Configuration& configuration, double h) {
   Scene scene = configuration.settling_scene();
   scene.dt = h;
   scene.gravity = {9.81, 0, 0};
   scene.material.young = scene.material.density * 9.81 / 0.2;
-  Trial trial(scene, require(make_block({.size = {1, 0.1, 0.1}, .cells = {20, 1, 1}, .order = configuration.order})));
+  TestBody trial(scene,
+                 require(make_block({.size = {1, 0.1, 0.1}, .cells = {20, 1, 1}, .order = configuration.order})));
   trial.pin(at_left_end);
   trial.run(std::max(100, static_cast<int>(10 / h)));
   double jump = 0;  // of the tip between the last steps
@@ -48,7 +49,7 @@ Verdict hang(const Configuration& configuration, double h) {
     before = trial.body().displacement(tip);
     return false;
   });
-  Verdict verdict;
+  CaseResult verdict;
   trial.report_to(verdict);
   verdict.at_most("jump of the tip between steps, m", jump, 1e-3);
   verdict.at_most("error of the elongation, m", std::abs(before.x() - 0.1), 1e-3);
@@ -56,8 +57,8 @@ Verdict hang(const Configuration& configuration, double h) {
 }
 
 /// Ends turned against each other by `turns` each within 2 s, held for 4 s, then one of them is let go.
-Verdict twist(const Configuration& configuration, double turns) {
-  Trial trial(configuration.settling_scene(), bar(configuration.order));
+CaseResult twist(const Configuration& configuration, double turns) {
+  TestBody trial(configuration.settling_scene(), bar(configuration.order));
   const auto left = trial.pin(at_left_end), right = trial.pin(at_right_end);
   constexpr int turning = 120, holding = 240;
   double flicker = 0;
@@ -68,15 +69,15 @@ Verdict twist(const Configuration& configuration, double turns) {
         const Vec3<double> arm(0, trial.rest(v).y(), trial.rest(v).z());
         trial.body().move_pin(v, rotation_by(sign * angle * Vec3<double>::UnitX()) * arm - arm);
       }
-    const double before = trial.last().largest_rotation;
+    const double before = trial.last().max_rotation;
     if (!trial.step()) break;
-    if (i > turning + holding - 30) flicker = std::max(flicker, std::abs(trial.last().largest_rotation - before));
+    if (i > turning + holding - 30) flicker = std::max(flicker, std::abs(trial.last().max_rotation - before));
   }
-  const double speed = trial.largest_speed();
+  const double speed = trial.max_speed();
   const Index inverted = trial.last().inverted_elements;
   for (const Index v : right) trial.body().release(v);
   trial.run(1200);
-  Verdict verdict;
+  CaseResult verdict;
   trial.report_to(verdict);
   verdict.at_most("flicker of R when held, rad", flicker, 1e-2);
   verdict.at_most("speed when held, m/s", speed, 1e-3);

@@ -12,7 +12,7 @@
 
 #include "../failure.hpp"
 #include "case.hpp"
-#include "trial.hpp"
+#include "test_body.hpp"
 
 namespace corotet::program::stress {
 namespace {
@@ -20,7 +20,7 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
 
 /// Whether a body is refused, in words that hold `name`.
-void expect_no_body(const Scene& scene, const MeshData& mesh, const std::string& name, Verdict& verdict) {
+void expect_no_body(const Scene& scene, const MeshData& mesh, const std::string& name, CaseResult& verdict) {
   try {
     (void)make_simulation(scene, mesh);
     verdict.expect(false, fmt::format("\"{}\": taken", name));
@@ -30,8 +30,8 @@ void expect_no_body(const Scene& scene, const MeshData& mesh, const std::string&
   }
 }
 
-Verdict bad_body(const Configuration& configuration) {
-  Verdict verdict;
+CaseResult bad_body(const Configuration& configuration) {
+  CaseResult verdict;
   const MeshData good = block(configuration.order);
   const auto with_material = [&](double Material::*member, const char* name, std::initializer_list<double> values) {
     for (const double value : values) {
@@ -71,11 +71,11 @@ Verdict bad_body(const Configuration& configuration) {
 }
 
 /// What a step leaves behind where it is refused: everything as it was.
-Verdict bad_step(const Configuration& configuration) {
-  Verdict verdict;
+CaseResult bad_step(const Configuration& configuration) {
+  CaseResult verdict;
   Scene scene = configuration.scene();
   scene.gravity = {0, 0, -9.81};
-  Trial trial(scene, block(configuration.order));
+  TestBody trial(scene, block(configuration.order));
   const auto pinned = trial.pin(at_left_end);
   trial.run(5);
   Simulation& body = trial.body();
@@ -89,24 +89,24 @@ Verdict bad_step(const Configuration& configuration) {
     return numbers;
   };
   const std::vector<double> before = state();
-  const auto expect_refusal = [&](const char* what, Refusal refusal, double h, Index vertex = -1) {
+  const auto expect_refusal = [&](const char* what, StepError error, double h, Index vertex = -1) {
     const StepReport report = body.step(h, pool, clock);
-    verdict.expect(report.refusal == refusal && (vertex < 0 || report.vertex == vertex),
+    verdict.expect(report.error == error && (vertex < 0 || report.vertex == vertex),
                    fmt::format("{}: not refused by name", what));
     verdict.expect(state() == before, fmt::format("{}: the state has changed", what));
   };
-  for (const double h : {0.0, -0.01, nan, inf}) expect_refusal("h", Refusal::time_step, h);
+  for (const double h : {0.0, -0.01, nan, inf}) expect_refusal("h", StepError::time_step, h);
   Field<double> forces(at(trial.vertices()), Vec3<double>::Zero());
   for (const double bad : {nan, inf}) {
     forces[11].x() = bad;
     body.set_forces(forces);
-    expect_refusal("force", Refusal::external_force, scene.dt, 11);
+    expect_refusal("force", StepError::external_force, scene.dt, 11);
   }
   forces[11].setZero();
   body.set_forces(forces);
   for (const double bad : {nan, inf}) {
     body.move_pin(pinned.front(), {0, bad, 0});
-    expect_refusal("pin", Refusal::pin_target, scene.dt, pinned.front());
+    expect_refusal("pin", StepError::pin_target, scene.dt, pinned.front());
   }
   body.move_pin(pinned.front(), Vec3<double>::Zero());
   for (const double bad : {nan, inf}) {
@@ -123,8 +123,8 @@ Verdict bad_step(const Configuration& configuration) {
 }
 
 /// Beginnings of a mesh file, and numbers in it that promise too much.
-Verdict bad_file() {
-  Verdict verdict;
+CaseResult bad_file() {
+  CaseResult verdict;
   namespace fs = std::filesystem;
   const fs::path path =
       fs::temp_directory_path() / fmt::format("corotet-stress-{}.msh", static_cast<const void*>(&verdict));
@@ -158,7 +158,7 @@ Verdict bad_file() {
 }  // namespace
 
 void add_input_cases(std::vector<Case>& cases) {
-  const std::vector<Ratio> one{{"nu=.3", 0.3, Dilatation::per_element}};
+  const std::vector<Ratio> one{{"nu=.3", 0.3, VolumetricStrain::pointwise}};
   cases.push_back({"bad-body",
                    "NaN, Inf and values out of range for material and positions; flat, empty and broken meshes",
                    "an error that names what is wrong", Solvers::two, one,

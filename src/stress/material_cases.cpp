@@ -9,7 +9,7 @@
 
 #include "../failure.hpp"
 #include "case.hpp"
-#include "trial.hpp"
+#include "test_body.hpp"
 
 namespace corotet::program::stress {
 namespace {
@@ -62,12 +62,12 @@ MeshData with_bad_element(const Shape& shape, int order) {
   return order == 2 ? raise_order(std::move(mesh)) : mesh;
 }
 
-Verdict hang_with_bad_element(const Configuration& configuration, const Shape& shape) {
+CaseResult hang_with_bad_element(const Configuration& configuration, const Shape& shape) {
   Scene scene = configuration.scene();
   scene.gravity = {0, 0, -9.81};
   scene.material.young = 1e7;  // the needle is 5 m long and heavy
-  Trial trial(scene, with_bad_element(shape, configuration.order));
-  Verdict verdict;
+  TestBody trial(scene, with_bad_element(shape, configuration.order));
+  CaseResult verdict;
   const auto worst = worst_elements(require(measure_quality(trial.mesh())), 1);
   verdict.expect(worst.front().element == trial.mesh().element_count() - 1 && worst.front().defect == shape.defect,
                  "the check of the mesh does not name the element");
@@ -75,7 +75,7 @@ Verdict hang_with_bad_element(const Configuration& configuration, const Shape& s
   trial.run(300);
   trial.report_to(verdict);
   verdict.at_most("rms displacement, m", trial.rms_to_rest(), 6);
-  verdict.note("most iterations", trial.ledger().most_iterations);
+  verdict.note("most iterations", trial.ledger().max_iterations);
   verdict.note("steps short of the tolerance", trial.ledger().unconverged);
   return verdict;
 }
@@ -84,13 +84,13 @@ Verdict hang_with_bad_element(const Configuration& configuration, const Shape& s
 struct Sag {
   double drop, volume_error;
 };
-Sag sag(const Configuration& configuration, double poisson, Verdict& verdict) {
+Sag sag(const Configuration& configuration, double poisson, CaseResult& verdict) {
   Scene scene = configuration.scene();
   scene.dt = 0.1;
   scene.damping.mass = 20;  // ends the swing of the second order formula
   scene.material.poisson = poisson;
   scene.gravity = {0, 0, -0.1};
-  Trial trial(scene, bar(configuration.order));
+  TestBody trial(scene, bar(configuration.order));
   trial.pin(at_left_end);
   const double volume = trial.volume();
   trial.run(200);
@@ -99,10 +99,10 @@ Sag sag(const Configuration& configuration, double poisson, Verdict& verdict) {
   return {-trial.body().displacement(tip).z(), trial.volume() / volume - 1};
 }
 
-Verdict nearly_incompressible(const Configuration& configuration) {
-  Verdict verdict;
+CaseResult nearly_incompressible(const Configuration& configuration) {
+  CaseResult verdict;
   const Sag soft = sag(configuration, 0.3, verdict);
-  const bool right_element = configuration.ratio.dilatation == Dilatation::mean;
+  const bool right_element = configuration.ratio.volumetric_strain == VolumetricStrain::averaged;
   for (const double poisson : {0.45, 0.49, 0.499, 0.4999}) {
     const Sag stiff = sag(configuration, poisson, verdict);
     const std::string what = fmt::format("nu {}: drop as a share of that at .3", poisson);
@@ -129,7 +129,7 @@ void add_material_cases(std::vector<Case>& cases) {
                    "bar sags at nu = .45, .49, .499, .4999",
                    "finite; change of volume reported; mean dilatation: at least 0.85 of the drop at nu = .3",
                    Solvers::all,
-                   {{"element", 0.3, Dilatation::per_element}, {"mean", 0.3, Dilatation::mean}},
+                   {{"element", 0.3, VolumetricStrain::pointwise}, {"mean", 0.3, VolumetricStrain::averaged}},
                    [](const Configuration& c, const Effort&) { return nearly_incompressible(c); }});
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "case.hpp"
-#include "trial.hpp"
+#include "test_body.hpp"
 
 namespace corotet::program::stress {
 namespace {
@@ -22,16 +22,16 @@ double relative_difference(const Field<double>& u, const Field<double>& referenc
 }
 
 /// A block of 1 cm sags by a tenth of its length. Critically damped: it is at rest after some 20 ms.
-Verdict settle(const Configuration& configuration, double h) {
+CaseResult settle(const Configuration& configuration, double h) {
   Scene scene = configuration.scene();
   scene.dt = h;
   scene.damping.mass = 2000;
   scene.gravity = {0, 0, -2000};
   MeshData mesh = block(configuration.order);
   for (Vec3<double>& x : mesh.positions) x *= 0.01;
-  const auto shape_after = [&](double dt, int steps, Verdict& verdict) {
+  const auto shape_after = [&](double dt, int steps, CaseResult& verdict) {
     scene.dt = dt;
-    Trial trial(scene, mesh);
+    TestBody trial(scene, mesh);
     trial.pin(at_left_end);
     trial.run(steps);
     trial.report_to(verdict);
@@ -39,7 +39,7 @@ Verdict settle(const Configuration& configuration, double h) {
     for (Index v = 0; v < trial.vertices(); ++v) shape.push_back(trial.body().displacement(v));
     return shape;
   };
-  Verdict verdict, of_reference;
+  CaseResult verdict, of_reference;
   const Field<double> shape = shape_after(h, std::max(60, static_cast<int>(0.04 / h)), verdict),
                       reference = shape_after(2e-3, 100, of_reference);
   verdict.at_most("difference from the shape at h = 2e-3 s", relative_difference(shape, reference), 1e-3);
@@ -47,13 +47,14 @@ Verdict settle(const Configuration& configuration, double h) {
 }
 
 /// Displacements after a second of falling, with the body's least corner at `corner`.
-Field<double> fall(const Configuration& configuration, const Vec3<double>& corner, double gravity, Verdict& verdict) {
+Field<double> fall(const Configuration& configuration, const Vec3<double>& corner, double gravity,
+                   CaseResult& verdict) {
   Scene scene = configuration.scene();
   scene.gravity = {0, 0, -gravity};
   scene.solver.tolerance = 1e-5;  // so that it does not hide a difference
   MeshData mesh = bar(configuration.order);
   for (Vec3<double>& x : mesh.positions) x += corner;
-  Trial trial(scene, std::move(mesh));
+  TestBody trial(scene, std::move(mesh));
   trial.pin([&](const Vec3<double>& x) { return at_left_end(x - corner - Vec3<double>(1e-6, 0, 0)); });
   trial.run(60);
   trial.report_to(verdict);
@@ -62,8 +63,8 @@ Field<double> fall(const Configuration& configuration, const Vec3<double>& corne
   return displacements;
 }
 
-Verdict far_away(const Configuration& configuration, double distance) {
-  Verdict verdict;
+CaseResult far_away(const Configuration& configuration, double distance) {
+  CaseResult verdict;
   const auto here = Vec3<double>::Zero();
   const Vec3<double> there(distance, -0.7 * distance, 0.3 * distance);
   constexpr double gravity = 9.81;
@@ -80,7 +81,8 @@ Verdict far_away(const Configuration& configuration, double distance) {
 }
 
 /// Sags and swings as one of 1 m, 5e5 Pa and 1000 kg/m^3 does, with times in proportion to size sqrt(rho / E).
-Field<double> sized(const Configuration& configuration, double size, double young, double density, Verdict& verdict) {
+Field<double> sized(const Configuration& configuration, double size, double young, double density,
+                    CaseResult& verdict) {
   Scene scene = configuration.scene();
   const double time = size * std::sqrt(density / 1000 * 5e5 / young);
   scene.dt *= time;
@@ -90,7 +92,7 @@ Field<double> sized(const Configuration& configuration, double size, double youn
   scene.solver.tolerance = 1e-5;
   MeshData mesh = bar(configuration.order);
   for (Vec3<double>& x : mesh.positions) x *= size;
-  Trial trial(scene, std::move(mesh));
+  TestBody trial(scene, std::move(mesh));
   trial.pin([&](const Vec3<double>& x) { return at_left_end(x / size); });
   trial.run(60);
   trial.report_to(verdict);
@@ -99,8 +101,8 @@ Field<double> sized(const Configuration& configuration, double size, double youn
   return displacements;
 }
 
-Verdict sizes(const Configuration& configuration) {
-  Verdict verdict;
+CaseResult sizes(const Configuration& configuration) {
+  CaseResult verdict;
   const Field<double> reference = sized(configuration, 1, 5e5, 1000, verdict);
   double worst = 0;
   for (const double size : {1e-3, 1e3})

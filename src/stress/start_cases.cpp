@@ -9,7 +9,7 @@
 #include <random>
 
 #include "case.hpp"
-#include "trial.hpp"
+#include "test_body.hpp"
 
 namespace corotet::program::stress {
 namespace {
@@ -38,11 +38,11 @@ constexpr std::array<Start, 3> starts{{{"60", "h = 1/60, damping 2/s M", 1.0 / 6
                                        {"10", "h = 1/10, no damping", 1.0 / 10, 0, 0},
                                        {"off", "off by up to 1e-6 m; h = 1/60, damping 2/s M", 1.0 / 60, 2, 1e-6}}};
 
-Verdict recover(const Configuration& configuration, const Start& start, Collapse collapse) {
+CaseResult recover(const Configuration& configuration, const Start& start, Collapse collapse) {
   Scene scene = configuration.scene();
   scene.dt = start.h;
   scene.damping.mass = start.damping;
-  Trial trial(scene, fine_block(configuration.order));
+  TestBody trial(scene, fine_block(configuration.order));
   trial.pin(at_left_end);
   UniformRandom unit(1);
   trial.place([&](Index v) {
@@ -50,7 +50,7 @@ Verdict recover(const Configuration& configuration, const Start& start, Collapse
     return at_left_end(trial.rest(v)) ? trial.rest(v) : (collapse(trial.rest(v)) + 2 * start.off * off);
   });
   trial.run(static_cast<int>(std::lround(10 / start.h)));
-  Verdict verdict;
+  CaseResult verdict;
   trial.report_to(verdict);
   verdict.at_most("inverted elements", trial.last().inverted_elements, 0);
   verdict.at_most("rms to rest", trial.rms_to_rest(), 1e-3);
@@ -68,12 +68,12 @@ void add_collapse(std::vector<Case>& cases, const char* name, const char* how, C
 }
 
 /// A start for each seed. Recovered: back at rest. Stuck: at rest elsewhere, which must show as inverted elements.
-Verdict recover_from_chaos(const Configuration& configuration, const Effort& effort) {
+CaseResult recover_from_chaos(const Configuration& configuration, const Effort& effort) {
   const Scene scene = configuration.settling_scene();
-  Verdict verdict;
+  CaseResult verdict;
   int recovered = 0, moving = 0, stuck = 0, silent = 0, folded = 0;
-  double least_strain = std::numeric_limits<double>::infinity();  // of those that are stuck without an inverted element
-  Trial trial(scene, coarse_block(configuration.order));
+  double min_strain = std::numeric_limits<double>::infinity();  // of those that are stuck without an inverted element
+  TestBody trial(scene, coarse_block(configuration.order));
   trial.pin(at_left_end);
   for (int seed = 1; seed <= effort.seeds; ++seed) {
     UniformRandom unit(seed);
@@ -84,7 +84,7 @@ Verdict recover_from_chaos(const Configuration& configuration, const Effort& eff
     });
     int quiet = 0;
     trial.run(3600, [&] {
-      quiet = trial.largest_speed() < 1e-3 ? quiet + 1 : 0;
+      quiet = trial.max_speed() < 1e-3 ? quiet + 1 : 0;
       return quiet == 20;
     });
     const bool back = trial.rms_to_rest() <= 1e-3 && trial.last().inverted_elements == 0;
@@ -94,9 +94,9 @@ Verdict recover_from_chaos(const Configuration& configuration, const Effort& eff
     if (quiet == 20 && !back && trial.last().inverted_elements == 0) {
       ++silent;
       if (trial.folded_elements() > 0) ++folded;
-      least_strain = std::min(least_strain, trial.last().largest_strain);
+      min_strain = std::min(min_strain, trial.last().max_strain);
     }
-    if (!trial.ledger().refusal.empty()) break;
+    if (!trial.ledger().error.empty()) break;
   }
   trial.report_to(verdict);
   verdict.recovered = double(recovered) / effort.seeds;
@@ -105,7 +105,7 @@ Verdict recover_from_chaos(const Configuration& configuration, const Effort& eff
   verdict.at_most("still moving after 60 s", double(moving) / effort.seeds, 0);
   verdict.at_most("stuck without an inverted element", double(silent) / effort.seeds, 0);
   verdict.note("of these inside out at a corner", folded);
-  if (silent > 0) verdict.note("of these the least of the largest strain", least_strain);
+  if (silent > 0) verdict.note("of these the least of the largest strain", min_strain);
   return verdict;
 }
 

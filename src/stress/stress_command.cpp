@@ -19,7 +19,7 @@ namespace {
 
 struct StressOptions {
   stress::SuiteOptions suite;
-  Tangent tangent = Tangent::stretch_stable;
+  Tangent tangent = Tangent::stabilized;
   std::string output;
   bool list = false, quick = false, full = false;
 };
@@ -74,7 +74,7 @@ Command add_stress_command(CLI::App& app) {
   auto* tangent = syntax->add_option("--tangent", options->tangent,
                                      "plain, stretch_stable or exact for all (exact for newton, else stretch_stable)");
   tangent->transform(CLI::CheckedTransformer(std::map<std::string, Tangent>{
-      {"plain", Tangent::plain}, {"stretch_stable", Tangent::stretch_stable}, {"exact", Tangent::exact}}));
+      {"plain", Tangent::warped}, {"stretch_stable", Tangent::stabilized}, {"exact", Tangent::consistent}}));
   options->suite.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   syntax->add_option("--threads", options->suite.threads, "Runs at the same time, >= 1 (as many as processors)")
       ->check(CLI::Range(1, 1024));
@@ -87,8 +87,8 @@ Command add_stress_command(CLI::App& app) {
       "  corotet stress stretch spin --only euler auto --tangent plain\n"
       "  corotet stress -o out");
   return {syntax, [options, tangent] {
-            if (options->quick) options->suite.breadth = stress::Breadth::quick;
-            if (options->full) options->suite.breadth = stress::Breadth::full;
+            if (options->quick) options->suite.breadth = stress::Coverage::quick;
+            if (options->full) options->suite.breadth = stress::Coverage::full;
             if (tangent->count() > 0) options->suite.tangent = options->tangent;
             return stress_bodies(*options);
           }};

@@ -42,9 +42,9 @@ std::vector<Run> plan(const std::vector<Case>& cases, const SuiteOptions& option
             for (const Ratio& ratio : ratios) {
               const bool centre_solver = solver.name == solvers.front().name,
                          centre_ratio = ratio.name == ratios.front().name;
-              if (options.breadth == Breadth::star && !centre_solver && !centre_ratio) continue;
-              if (options.breadth == Breadth::quick && !(centre_solver && centre_ratio)) continue;
-              if (options.breadth == Breadth::quick && scalar == ScalarKind::double_precision) continue;
+              if (options.breadth == Coverage::star && !centre_solver && !centre_ratio) continue;
+              if (options.breadth == Coverage::quick && !(centre_solver && centre_ratio)) continue;
+              if (options.breadth == Coverage::quick && scalar == ScalarKind::double_precision) continue;
               const Configuration c{order, scalar, stepping, solver, ratio, options.tangent};
               if (std::all_of(options.only.begin(), options.only.end(),
                               [&](const std::string& word) { return c.has_word(word); }))
@@ -84,8 +84,8 @@ Outcome run_suite(const SuiteOptions& options) {
   outcome.runs = plan(outcome.cases, options);
   if (outcome.runs.empty()) throw Failure("no configuration of these cases has all the words of --only");
   Effort effort;  // of --full
-  if (options.breadth == Breadth::star) effort.long_steps = 2000;
-  if (options.breadth == Breadth::quick) effort = {.seeds = 10, .long_steps = 300};
+  if (options.breadth == Coverage::star) effort.long_steps = 2000;
+  if (options.breadth == Coverage::quick) effort = {.seeds = 10, .long_steps = 300};
   Progress progress(static_cast<int>(outcome.runs.size()));
   std::mutex mutex;
   int done = 0;

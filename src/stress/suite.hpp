@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "case.hpp"
+#include "case_result.hpp"
 #include "configuration.hpp"
-#include "verdict.hpp"
 
 namespace corotet::program::stress {
 
 /// How many configurations are tried.
-enum class Breadth {
+enum class Coverage {
   quick,  ///< float, auto and one of Poisson's ratios, with less effort
   star,   ///< all solvers for one ratio, all ratios for `auto`
   full    ///< all solvers for all ratios
@@ -22,14 +22,14 @@ struct SuiteOptions {
   std::vector<std::string> cases;  ///< names, or their part before a '-'; none: all
   std::vector<std::string> only;   ///< words that a configuration must have
   std::optional<Tangent> tangent;  ///< instead of each stepping's own
-  Breadth breadth = Breadth::star;
+  Coverage breadth = Coverage::star;
   int threads = 1;
 };
 
 struct Run {
   std::size_t of_case;  ///< in the list of cases
   Configuration configuration;
-  Verdict verdict;
+  CaseResult verdict;
   double seconds = 0;
 };
 

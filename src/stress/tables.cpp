@@ -184,11 +184,11 @@ std::string format_csv(const Outcome& outcome) {
     std::replace(column.begin(), column.end(), ' ', ',');
     std::string found = run.verdict.text();
     std::replace(found.begin(), found.end(), '"', '\'');
-    const Ledger& ledger = run.verdict.ledger;
+    const StepStatistics& ledger = run.verdict.ledger;
     text +=
         fmt::format("{},{},{},{},{},{},{},{},{},{},{:.3f},\"{}\"\n", outcome.cases[run.of_case].name, column,
                     by_solver(run), by_ratio(run), run.verdict.passed() ? 1 : 0, ledger.steps, ledger.unconverged,
-                    ledger.newton_unconverged, ledger.most_iterations,
+                    ledger.newton_unconverged, ledger.max_iterations,
                     run.verdict.recovered < 0 ? "" : fmt::format("{:.3f}", run.verdict.recovered), run.seconds, found);
   }
   return text;

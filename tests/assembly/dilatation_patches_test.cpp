@@ -99,7 +99,7 @@ TEST(DilatationPatches, OneElementIsOnePatch) {
 /// Blocks of the pattern: those of elements, and of patches besides; each group's pair contributes once to its block.
 TEST(DilatationPatches, WidenThePattern) {
   const auto mesh = distorted_block<double, Tet4>({.size = {3, 2, 2}, .cells = {3, 2, 2}}, 0.2, 3);
-  const VertexGroups groups = dilatation_patches(mesh).vertices;
+  const Stencils groups = dilatation_patches(mesh).vertices;
   const BlockPattern pattern = BlockPattern::of(mesh.elements(), mesh.vertex_count(), groups);
   std::set<std::pair<Index, Index>> expected;
   const auto add_all = [&](auto begin, auto end) {
@@ -116,9 +116,9 @@ TEST(DilatationPatches, WidenThePattern) {
 
   std::set<std::pair<std::size_t, std::size_t>> pairs;
   for (std::size_t u = 0; u < pattern.upper.size(); ++u)
-    for (Index c = pattern.group_contribution_start[u]; c < pattern.group_contribution_start[u + 1]; ++c) {
-      const Index code = pattern.group_contribution[at(c)];
-      const std::size_t row = BlockPattern::row_of_group(code), column = BlockPattern::column_of_group(code);
+    for (Index c = pattern.stencil_contribution_start[u]; c < pattern.stencil_contribution_start[u + 1]; ++c) {
+      const Index code = pattern.stencil_contribution[at(c)];
+      const std::size_t row = BlockPattern::row_of_stencil(code), column = BlockPattern::column_of_stencil(code);
       EXPECT_EQ(groups.vertex[row], pattern.column[at(pattern.upper[u].mirror)]);
       EXPECT_EQ(groups.vertex[column], pattern.column[at(pattern.upper[u].slot)]);
       EXPECT_TRUE(pairs.insert({row, column}).second);

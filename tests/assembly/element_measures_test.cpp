@@ -53,20 +53,20 @@ double sum_of_energies(const std::vector<ElementMeasures<Scalar>>& measures) {
 
 TYPED_TEST(ElementMeasure, EnergiesSumToThatOfTheBody) {
   using Scalar = typename TypeParam::Scalar;
-  const auto check = [&]<class Rotation>(Rotation, Dilatation dilatation) {
+  const auto check = [&]<class Rotation>(Rotation, VolumetricStrain volumetric_strain) {
     const auto mesh = this->mesh();
     const Rig<Scalar, typename TypeParam::Element, Rotation> rig(mesh, this->materials(mesh.element_count()),
-                                                                 dilatation);
+                                                                 volumetric_strain);
     for (const double size : {1e-3, 0.02, 0.2}) {  // the last with inverted elements
       const auto u = testing::random_field<Scalar>(mesh.vertex_count(), size, 5);
       const double energy = rig.law.energy(u);
       EXPECT_NEAR(sum_of_energies(this->measure(rig.law, u)), energy, 1e3 * this->epsilon * energy) << size;
     }
   };
-  for (const Dilatation dilatation : {Dilatation::per_element, Dilatation::mean}) {
-    check(Polar(), dilatation);
-    check(GramSchmidt(), dilatation);
-    check(Identity(), dilatation);
+  for (const VolumetricStrain volumetric_strain : {VolumetricStrain::pointwise, VolumetricStrain::averaged}) {
+    check(Polar(), volumetric_strain);
+    check(GramSchmidt(), volumetric_strain);
+    check(Identity(), volumetric_strain);
   }
 }
 
@@ -77,8 +77,8 @@ TYPED_TEST(ElementMeasure, AUniformStrainHasTheStressOfTheMaterial) {
   const auto mesh = this->mesh();
   const Material material{.young = 3e4, .poisson = 0.42};
   const auto [lambda, mu] = lame(material);
-  for (const Dilatation dilatation : {Dilatation::per_element, Dilatation::mean}) {
-    const Rig<Scalar, typename TypeParam::Element> rig(mesh, material, dilatation);
+  for (const VolumetricStrain volumetric_strain : {VolumetricStrain::pointwise, VolumetricStrain::averaged}) {
+    const Rig<Scalar, typename TypeParam::Element> rig(mesh, material, volumetric_strain);
     for (int i = 0; i < 5; ++i) {
       const Mat3<double> r = random.rotation(), a = random.matrix(0.1), e = (a + a.transpose()) / 2;
       const Mat3<double> f = r * (Mat3<double>::Identity() + e), strain = r * e * r.transpose();
@@ -106,8 +106,8 @@ TYPED_TEST(ElementMeasure, RigidMotionHasNone) {
   using Scalar = typename TypeParam::Scalar;
   Random random(4);
   const auto mesh = this->mesh();
-  for (const Dilatation dilatation : {Dilatation::per_element, Dilatation::mean}) {
-    const Rig<Scalar, typename TypeParam::Element> rig(mesh, Material{.young = 1e4, .poisson = 0.3}, dilatation);
+  for (const VolumetricStrain volumetric_strain : {VolumetricStrain::pointwise, VolumetricStrain::averaged}) {
+    const Rig<Scalar, typename TypeParam::Element> rig(mesh, Material{.young = 1e4, .poisson = 0.3}, volumetric_strain);
     const Mat3<double> r = random.rotation();
     const auto u = testing::displacement_of(
         mesh, [&](const Vec3<double>& x) { return Vec3<double>(r * x + Vec3<double>(1, -2, 0.5)); });
@@ -139,7 +139,7 @@ TYPED_TEST(ElementMeasure, VolumesAreThoseOfTheBody) {
 TYPED_TEST(ElementMeasure, SameBitsOnAnyExecutor) {
   using Scalar = typename TypeParam::Scalar;
   const auto mesh = testing::block<Scalar, typename TypeParam::Element>({.size = {1, 1, 1}, .cells = {9, 9, 9}});
-  const Rig<Scalar, typename TypeParam::Element> rig(mesh, testing::rubber, Dilatation::mean);
+  const Rig<Scalar, typename TypeParam::Element> rig(mesh, testing::rubber, VolumetricStrain::averaged);
   const auto u = testing::random_field<Scalar>(mesh.vertex_count(), 0.01, 8);
   const auto expected = this->measure(rig.law, u);
   auto backwards = expected;
@@ -161,9 +161,9 @@ TYPED_TEST_SUITE(ElementMeasureGradient, Elements);
 TYPED_TEST(ElementMeasureGradient, StressIsTheChangeOfEnergy) {
   Random random(7);
   const auto mesh = testing::distorted_block<double, TypeParam>({.size = {1, 0.7, 0.5}, .cells = {2, 2, 2}}, 0.2, 3);
-  for (const Dilatation dilatation : {Dilatation::per_element, Dilatation::mean})
+  for (const VolumetricStrain volumetric_strain : {VolumetricStrain::pointwise, VolumetricStrain::averaged})
     for (const double poisson : {-0.2, 0.3, 0.48}) {
-      const Rig<double, TypeParam> rig(mesh, Material{.young = 1, .poisson = poisson}, dilatation);
+      const Rig<double, TypeParam> rig(mesh, Material{.young = 1, .poisson = poisson}, volumetric_strain);
       const auto stretched = [&](const Mat3<double>& f) {
         return testing::displacement_of(mesh, [&](const Vec3<double>& x) { return Vec3<double>(f * x); });
       };

@@ -69,8 +69,8 @@ void expect_quadratic_convergence() {
   const Index led = body.pins().vertices().front();
   body.move_pin(led, body.position(led) + Vec3<double>(0.01, 0.01, 0));
 
-  const std::vector<double> exact = errors_of_solves(body, Tangent::exact, 5);
-  const std::vector<double> semi_definite = errors_of_solves(body, Tangent::plain, 5);
+  const std::vector<double> exact = errors_of_solves(body, Tangent::consistent, 5);
+  const std::vector<double> semi_definite = errors_of_solves(body, Tangent::warped, 5);
   for (int k = 0; k < 5; ++k)
     std::printf("%d solves: exact %.1e semi-definite %.1e\n", k + 1, exact[at(k)], semi_definite[at(k)]);
   for (std::size_t k = 1; k < 4; ++k) EXPECT_LT(exact[k + 1], 20 * exact[k] * exact[k] + 1e-14) << k + 1 << " solves";
@@ -143,8 +143,8 @@ void expect_no_harm_from_hard_starts() {
         testing::EnergyWatch watch(body);
         ImplicitEuler euler(body, testing::solver(),
                             iterations == 1
-                                ? NewtonOptions{}
-                                : NewtonOptions{.iterations = 30, .tolerance = 1e-6, .tangent = Tangent::exact});
+                                ? StepOptions{}
+                                : StepOptions{.iterations = 30, .tolerance = 1e-6, .tangent = Tangent::consistent});
         double most = 0;
         for (int step = 0; step < 40; ++step) {
           const StepReport report = euler.step(body, Scalar(1.0 / 60));
@@ -182,7 +182,7 @@ TEST(NeoHookeanSteps, FreeBodiesKeepTheirSpin) {
 /// A body that softens is pulled and let go. After each accepted step its states are the trial states of where it is,
 /// from those before, however many evaluations the step took; a refused step changes none.
 template <class Scalar, class Element>
-void expect_states_of_accepted_steps(const NewtonOptions& newton) {
+void expect_states_of_accepted_steps(const StepOptions& newton) {
   using Body = SoftBody<Scalar, Element, testing::Softening>;
   auto body = must(Body::create(testing::block<Scalar, Element>({.size = {1, 0.25, 0.25}, .cells = {4, 1, 1}}),
                                 Material{.young = 3e4, .poisson = 0.3, .density = 900}));
@@ -216,7 +216,7 @@ void expect_states_of_accepted_steps(const NewtonOptions& newton) {
 }
 
 TEST(StatefulSteps, CommitTheStatesOfAcceptedStepsAlone) {
-  for (const NewtonOptions& newton : {NewtonOptions{}, NewtonOptions{.iterations = 20, .tangent = Tangent::exact}}) {
+  for (const StepOptions& newton : {StepOptions{}, StepOptions{.iterations = 20, .tangent = Tangent::consistent}}) {
     expect_states_of_accepted_steps<double, Tet4>(newton);
     expect_states_of_accepted_steps<float, Tet10>(newton);
   }

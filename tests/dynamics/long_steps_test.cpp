@@ -1,7 +1,7 @@
 // Steps that are long against the time in which a body moves.
 #include <corotet/dynamics/bdf2.hpp>
-#include <corotet/dynamics/crossing_time.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
+#include <corotet/dynamics/wave_transit_time.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -85,8 +85,8 @@ TYPED_TEST(LongSteps, ThicknessIsThatOfBarsAndTwiceThatOfPlates) {
 
 TEST(CrossingTime, IsThatOfTheFastestMaterial) {
   const Material slow{.young = 1e4, .poisson = 0.3, .density = 1e4}, fast{.young = 4e6, .poisson = 0, .density = 1e2};
-  EXPECT_DOUBLE_EQ(crossing_time(0.5, slow, 7), 0.5);
-  EXPECT_DOUBLE_EQ(crossing_time(0.5, std::vector<Material>{slow, fast, slow}, 3), 0.5 / 200);
+  EXPECT_DOUBLE_EQ(wave_transit_time(0.5, slow, 7), 0.5);
+  EXPECT_DOUBLE_EQ(wave_transit_time(0.5, std::vector<Material>{slow, fast, slow}, 3), 0.5 / 200);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // Pieces of one mesh that do not touch move as each does alone: bit for bit, whatever the others do.
-#include <corotet/dynamics/adaptive_step.hpp>
 #include <corotet/dynamics/bdf2.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
+#include <corotet/dynamics/substepping_integrator.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -101,7 +101,7 @@ class Pieces : public ::testing::Test {
 
   template <template <class, class> class Integrator>
   static void run(
-      Scene& scene, int steps, const NewtonOptions& newton, const std::function<void(int)>& before = [](int) {}) {
+      Scene& scene, int steps, const StepOptions& newton, const std::function<void(int)>& before = [](int) {}) {
     using Stepper = Integrator<Body, AutoSolver<Real>>;
     std::vector<Stepper> alone;
     for (const Body& body : scene.alone) alone.emplace_back(body, testing::solver(), newton);
@@ -123,7 +123,7 @@ const auto different_spins = [](std::size_t p, const Vec3<double>& x) -> Vec3<do
 
 TYPED_TEST(Pieces, FlyAndSpinAsAlone) {
   for (const MassModel mass : {MassModel::lumped, MassModel::consistent})
-    for (const NewtonOptions& newton : {NewtonOptions{}, NewtonOptions{.iterations = 8, .tangent = Tangent::exact}}) {
+    for (const StepOptions& newton : {StepOptions{}, StepOptions{.iterations = 8, .tangent = Tangent::consistent}}) {
       auto scene = this->scene({.mass = mass, .damping = {.mass = 0.1, .stiffness = 0.005}});
       this->start(scene, different_spins);
       this->template run<ImplicitEuler>(scene, 30, newton);
@@ -138,7 +138,7 @@ TYPED_TEST(Pieces, FlyAndSpinAsAlone) {
 /// One held, one free, one led and released; forces and gravity; mean dilatation.
 TYPED_TEST(Pieces, HeldAndFreeAsAlone) {
   using Scalar = typename TypeParam::Scalar;
-  auto scene = this->scene({.dilatation = Dilatation::mean}, 0.49);
+  auto scene = this->scene({.volumetric_strain = VolumetricStrain::averaged}, 0.49);
   const auto is_held = [](const auto& body, std::size_t p, Index i) {
     return p != 1 && body.mesh().position(i).y() < Scalar(0.51) && body.mesh().position(i).x() < Scalar(0.01);
   };
@@ -168,9 +168,9 @@ TYPED_TEST(Pieces, DivideTheirOwnSteps) {
     return p == 1 ? Vec3<double>(-3000 * (x.x() - 2.15), 0, 0) : Vec3<double>(0, x.x(), 0);
   });
   using Stepper = ImplicitEuler<typename TestFixture::Body, AutoSolver<Scalar>>;
-  std::vector<AdaptiveStep<Stepper, typename TestFixture::Body>> alone;
+  std::vector<SubsteppingIntegrator<Stepper, typename TestFixture::Body>> alone;
   for (const auto& body : scene.alone) alone.emplace_back(Stepper(body), body);
-  AdaptiveStep<Stepper, typename TestFixture::Body> whole(Stepper(scene.whole[0]), scene.whole[0]);
+  SubsteppingIntegrator<Stepper, typename TestFixture::Body> whole(Stepper(scene.whole[0]), scene.whole[0]);
   int most = 1;
   for (int step = 0; step < 10; ++step) {
     int divided = 1;
@@ -205,7 +205,7 @@ TYPED_TEST(Pieces, AreSteppedTogetherOrNotAtAll) {
   const Index last = scene.whole_vertex[2][3];
   body.external_forces()[at(last)] = {std::numeric_limits<Scalar>::quiet_NaN(), 0, 0};
   const StepReport report = euler.step(body, this->h);
-  EXPECT_EQ(report.refusal, Refusal::external_force);
+  EXPECT_EQ(report.error, StepError::external_force);
   EXPECT_EQ(report.vertex, last);
   {
     const testing::WithoutTraps so_that_numbers_may_overflow;

@@ -18,7 +18,7 @@ namespace {
 using testing::must;
 
 constexpr Material soft{.young = 2e5, .poisson = 0.4, .density = 1000};
-constexpr NewtonOptions converged{.iterations = 50, .tolerance = 1e-8};
+constexpr StepOptions converged{.iterations = 50, .tolerance = 1e-8};
 constexpr SolverOptions tight{.tolerance = 1e-10};
 
 /// Finite differences and balances need double.
@@ -55,12 +55,14 @@ using Elements = ::testing::Types<Tet4, Tet10>;
 TYPED_TEST_SUITE(PinReactionsOf, Elements);
 
 constexpr std::array<BodyOptions, 4> all_options{
-    {{.mass = MassModel::lumped, .damping = {}, .dilatation = Dilatation::per_element},
-     {.mass = MassModel::consistent, .damping = {}, .dilatation = Dilatation::mean},
-     {.mass = MassModel::lumped, .damping = {.mass = 0.7, .stiffness = 0.01}, .dilatation = Dilatation::mean},
+    {{.mass = MassModel::lumped, .damping = {}, .volumetric_strain = VolumetricStrain::pointwise},
+     {.mass = MassModel::consistent, .damping = {}, .volumetric_strain = VolumetricStrain::averaged},
+     {.mass = MassModel::lumped,
+      .damping = {.mass = 0.7, .stiffness = 0.01},
+      .volumetric_strain = VolumetricStrain::averaged},
      {.mass = MassModel::consistent,
       .damping = {.mass = 0, .stiffness = 0.02},
-      .dilatation = Dilatation::per_element}}};
+      .volumetric_strain = VolumetricStrain::pointwise}}};
 
 TYPED_TEST(PinReactionsOf, AHangingBodyIsHeldByItsWeight) {
   for (const BodyOptions& options : all_options) {
@@ -119,7 +121,7 @@ TYPED_TEST(PinReactionsOf, ReactionsHoldTheBodyInPlaceOfThePins) {
 /// In swinging motion, one pin led: how far the momentum that the body has won in each step is from what forces,
 /// damping and pins have given, over the size of the reactions.
 template <class Body>
-double worst_imbalance(Body body, const NewtonOptions& newton, double h, double until, bool torques) {
+double worst_imbalance(Body body, const StepOptions& newton, double h, double until, bool torques) {
   ImplicitEuler euler(body, testing::solver(tight), newton);
   PinReactions reactions(body);
   double worst = 0, largest = 0;

@@ -25,14 +25,13 @@ struct Run {
   StepReport report;
 };
 
-constexpr NewtonOptions one_solve{}, newton{.iterations = 10, .tangent = Tangent::exact};
+constexpr StepOptions one_solve{}, newton{.iterations = 10, .tangent = Tangent::consistent};
 constexpr SolverOptions default_solver{}, direct{.method = SolverMethod::cholesky};
 
 /// A beam of 1 x 0.2 x 0.2 lengths that swings under its weight with damping, its least corner `far` from the origin in
 /// each direction.
 template <class Integrator, class Scalar, class Element>
-Run swing(const Units& unit, const NewtonOptions& options, const SolverOptions& solver, double far = 0,
-          int steps = 20) {
+Run swing(const Units& unit, const StepOptions& options, const SolverOptions& solver, double far = 0, int steps = 20) {
   BlockOptions shape{.corner = Vec3<double>(far, far - 0.1, far - 0.1) * unit.length,
                      .size = Vec3<double>(1, 0.2, 0.2) * unit.length,
                      .cells = Element::order == 1 ? std::array<Index, 3>{10, 2, 2} : std::array<Index, 3>{5, 1, 1},
@@ -60,7 +59,7 @@ Run swing(const Units& unit, const NewtonOptions& options, const SolverOptions& 
 /// The same beam in units that differ by powers of two: 1 mm to 1 km, E from 1e2 to 1e12, densities from 1e-1 to 1e5.
 /// Every number is a power of two times what it was, and so its digits are the same, square roots of odd powers aside.
 template <class Integrator>
-void expect_the_same_in_any_units(const NewtonOptions& options, const SolverOptions& solver) {
+void expect_the_same_in_any_units(const StepOptions& options, const SolverOptions& solver) {
   using Body = typename Integrator::BodyType;
   using Scalar = typename Body::scalar_type;
   using Element = typename Body::element_type;
@@ -102,7 +101,7 @@ TEST(ScaleLaws, StepsAreTheSameInAnyUnits) {
 TYPED_TEST(Scale, NothingChangesFarFromTheOrigin) {
   using Scalar = typename TypeParam::Scalar;
   using Body = SoftBody<Scalar, typename TypeParam::Element>;
-  for (const NewtonOptions& options : {one_solve, newton}) {
+  for (const StepOptions& options : {one_solve, newton}) {
     const auto at_distance = [&](double far) {
       return swing<ImplicitEuler<Body>, Scalar, typename TypeParam::Element>({}, options, default_solver, far)
           .displacement;

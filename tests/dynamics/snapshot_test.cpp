@@ -1,8 +1,8 @@
 // States that are saved and restored: what follows is the same to the last bit.
-#include <corotet/dynamics/adaptive_step.hpp>
 #include <corotet/dynamics/bdf2.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
 #include <corotet/dynamics/snapshot.hpp>
+#include <corotet/dynamics/substepping_integrator.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -120,7 +120,7 @@ TYPED_TEST(Snapshot, OfAFreeBodyAndOfDividedSteps) {
   };
   const std::function<Bdf2<B>(const B&)> bdf2 = [](const B& b) { return Bdf2<B>(b, testing::solver()); };
   restore_anywhere<Bdf2<B>, B>(start, this->h, bdf2, act);
-  using Adaptive = AdaptiveStep<Bdf2<B>, B>;
+  using Adaptive = SubsteppingIntegrator<Bdf2<B>, B>;
   const std::function<Adaptive(const B&)> adaptive = [](const B& b) {
     return Adaptive(Bdf2<B>(b, testing::solver()), b);
   };

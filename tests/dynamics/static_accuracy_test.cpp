@@ -20,11 +20,11 @@ TYPED_TEST_SUITE(PatchTest, testing::AllCases);
 TYPED_TEST(PatchTest, AffineBoundaryGivesTheAffineField) {
   using Scalar = typename TypeParam::Scalar;
   using Element = typename TypeParam::Element;
-  for (const Dilatation dilatation : {Dilatation::per_element, Dilatation::mean}) {
+  for (const VolumetricStrain volumetric_strain : {VolumetricStrain::pointwise, VolumetricStrain::averaged}) {
     auto body = must(SoftBody<Scalar, Element>::create(
         testing::distorted_block<Scalar, Element>({.size = {1, 1, 1}, .cells = {3, 3, 3}}, 0.2, 1),
-        Material{.young = 1e5, .poisson = dilatation == Dilatation::mean ? 0.45 : 0.3},
-        {.mass = MassModel::lumped, .damping = {}, .dilatation = dilatation}));
+        Material{.young = 1e5, .poisson = volumetric_strain == VolumetricStrain::averaged ? 0.45 : 0.3},
+        {.mass = MassModel::lumped, .damping = {}, .volumetric_strain = volumetric_strain}));
     testing::Random random(2);
     // Larger in the mean: squeezed by as much, the law lets each point turn out of the way, and other fields are at
     // rest.
@@ -54,11 +54,12 @@ TYPED_TEST(PatchTest, AffineBoundaryGivesTheAffineField) {
 
 /// Tip deflection of a beam of length 4 and height 1, held at one end, under its own small weight.
 template <class Element>
-double small_deflection(Index cells_through, double poisson = 0, Dilatation dilatation = Dilatation::per_element) {
+double small_deflection(Index cells_through, double poisson = 0,
+                        VolumetricStrain volumetric_strain = VolumetricStrain::pointwise) {
   auto body = testing::cantilever<double, Element>(
       {.size = {4, 1, 1}, .cells = {4 * cells_through, cells_through, cells_through}},
       {.young = 1e4, .poisson = poisson, .density = 1}, 1e-4,
-      {.mass = MassModel::lumped, .damping = {}, .dilatation = dilatation});
+      {.mass = MassModel::lumped, .damping = {}, .volumetric_strain = volumetric_strain});
   EXPECT_TRUE(solve_static(body, {.tolerance = 1e-9}).converged);
   return -body.displacements()[at(body.mesh().nearest_vertex({4, 0.5, 0.5}))].z();
 }
@@ -85,7 +86,7 @@ TEST(SmallDeflection, ConvergesToTimoshenkoAtTheOrderOfTheElement) {
 
 /// Mean dilatation keeps the order of Tet4 at nu = .499, and leaves Tet10 as it is up to nu = 1/3.
 TEST(SmallDeflection, ConvergesAtTheSameOrderWithMeanDilatation) {
-  const auto mean = Dilatation::mean;
+  const auto mean = VolumetricStrain::averaged;
   const double t2 = small_deflection<Tet4>(2, 0.499, mean), t4 = small_deflection<Tet4>(4, 0.499, mean),
                t8 = small_deflection<Tet4>(8, 0.499, mean);
   const double s1 = small_deflection<Tet10>(1, 0.499, mean), s2 = small_deflection<Tet10>(2, 0.499, mean),
@@ -123,11 +124,11 @@ TEST(LargeDeflection, Tet10WithTwoCellsThroughTheThicknessIsWithinOneAndAHalfPer
 
 /// Tip deflection over q L^4 / 8 E I of a beam of length 10 and height 1 under its own small weight, held at one end.
 template <class Element>
-double bending(Index cells_through, BlockSplit split, double poisson, Dilatation dilatation) {
+double bending(Index cells_through, BlockSplit split, double poisson, VolumetricStrain volumetric_strain) {
   auto body = testing::cantilever<double, Element>(
       {.size = {10, 1, 1}, .cells = {10 * cells_through, cells_through, cells_through}, .split = split},
       {.young = 1e4, .poisson = poisson, .density = 1}, 1e-6,
-      {.mass = MassModel::lumped, .damping = {}, .dilatation = dilatation});
+      {.mass = MassModel::lumped, .damping = {}, .volumetric_strain = volumetric_strain});
   EXPECT_TRUE(solve_static(body, {.tolerance = 1e-9}).converged);
   return -body.displacements()[at(body.mesh().nearest_vertex({10, 0.5, 0.5}))].z() / (1e-6 * 1e4 * 12 / (8 * 1e4));
 }
@@ -139,23 +140,23 @@ constexpr double solid_45 = 0.9893, solid_499 = 0.9838;
 /// Two cells through the thickness: with mean dilatation, the share of the true deflection that a mesh reaches at
 /// nu = .499 is within 3 % of what it reaches at .45; without, 4-node elements lock.
 TEST(NearlyIncompressible, BendsAsItDoesAtPointFourFive) {
-  const auto drop = []<class Element>(BlockSplit split, Dilatation dilatation) {
-    const double at_45 = bending<Element>(2, split, 0.45, dilatation) / solid_45;
-    const double at_499 = bending<Element>(2, split, 0.499, dilatation) / solid_499;
+  const auto drop = []<class Element>(BlockSplit split, VolumetricStrain volumetric_strain) {
+    const double at_45 = bending<Element>(2, split, 0.45, volumetric_strain) / solid_45;
+    const double at_499 = bending<Element>(2, split, 0.499, volumetric_strain) / solid_499;
     std::printf("order %d, %s, %s: of the solid's deflection %.4f at nu .45, %.4f at .499\n", Element::order,
                 split == BlockSplit::kuhn6 ? "kuhn6" : "alternating5",
-                dilatation == Dilatation::mean ? "mean" : "per element", at_45, at_499);
+                volumetric_strain == VolumetricStrain::averaged ? "mean" : "per element", at_45, at_499);
     return std::pair{at_45, at_499};
   };
   for (const BlockSplit split : {BlockSplit::kuhn6, BlockSplit::alternating5}) {
-    const auto [tet4_45, tet4_499] = drop.template operator()<Tet4>(split, Dilatation::mean);
+    const auto [tet4_45, tet4_499] = drop.template operator()<Tet4>(split, VolumetricStrain::averaged);
     EXPECT_NEAR(tet4_499, tet4_45, 0.03 * tet4_45);
     EXPECT_GT(tet4_45, 0.6);
-    const auto [tet10_45, tet10_499] = drop.template operator()<Tet10>(split, Dilatation::mean);
+    const auto [tet10_45, tet10_499] = drop.template operator()<Tet10>(split, VolumetricStrain::averaged);
     EXPECT_NEAR(tet10_45, 1, 0.01);
     EXPECT_NEAR(tet10_499, 1, 0.01);
   }
-  const auto [locked_45, locked_499] = drop.template operator()<Tet4>(BlockSplit::kuhn6, Dilatation::per_element);
+  const auto [locked_45, locked_499] = drop.template operator()<Tet4>(BlockSplit::kuhn6, VolumetricStrain::pointwise);
   EXPECT_LT(locked_45, 0.35);
   EXPECT_LT(locked_499, 0.03);
 }

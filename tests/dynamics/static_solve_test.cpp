@@ -34,8 +34,8 @@ TYPED_TEST(Static, IsWhereABodyStays) {
   using Scalar = typename TypeParam::Scalar;
   for (const BodyOptions& options :
        {BodyOptions{}, BodyOptions{.mass = MassModel::consistent, .damping = {.mass = 1, .stiffness = 0.1}},
-        BodyOptions{.dilatation = Dilatation::mean}}) {
-    auto body = this->beam(9.81, options, options.dilatation == Dilatation::mean ? 0.49 : 0.3);
+        BodyOptions{.volumetric_strain = VolumetricStrain::averaged}}) {
+    auto body = this->beam(9.81, options, options.volumetric_strain == VolumetricStrain::averaged ? 0.49 : 0.3);
     const StaticReport report = solve_static(body, {.tolerance = this->tolerance});
     ASSERT_TRUE(report.converged) << report.advice() << ", residual " << report.residual;
     EXPECT_LT(report.residual, this->is_double ? 1e-7 : 2e-2);  // float: rounding of stiff elements
@@ -105,7 +105,7 @@ TYPED_TEST(Static, SaysWhyItDidNotConverge) {
   const auto before = wrong.displacements();
   const StaticReport refused = solve_static(wrong);
   EXPECT_FALSE(refused.converged);
-  EXPECT_EQ(refused.last.refusal, Refusal::gravity);
+  EXPECT_EQ(refused.last.error, StepError::gravity);
   EXPECT_EQ(wrong.displacements(), before);
 }
 

@@ -27,12 +27,13 @@ namespace {
 using testing::must;
 
 template <class Scalar, class Element>
-SoftBody<Scalar, Element> swinging_beam(Dilatation dilatation) {
+SoftBody<Scalar, Element> swinging_beam(VolumetricStrain volumetric_strain) {
   // Long enough for several tasks in every parallel loop.
   const std::array<Index, 3> cells =
       Element::order == 1 ? std::array<Index, 3>{45, 6, 6} : std::array<Index, 3>{26, 3, 3};
-  return testing::cantilever<Scalar, Element>({.size = {1, 0.2, 0.2}, .cells = cells}, {.young = 5e5}, 9.81,
-                                              {.damping = {.mass = 0.1, .stiffness = 0.001}, .dilatation = dilatation});
+  return testing::cantilever<Scalar, Element>(
+      {.size = {1, 0.2, 0.2}, .cells = cells}, {.young = 5e5}, 9.81,
+      {.damping = {.mass = 0.1, .stiffness = 0.001}, .volumetric_strain = volumetric_strain});
 }
 
 template <class Body>
@@ -65,7 +66,7 @@ TYPED_TEST_SUITE(StepDeterminism, ScalarsAndElements);
 TYPED_TEST(StepDeterminism, SameBitsTwiceAndOnAnyNumberOfThreads) {
   using Scalar = typename TypeParam::Scalar;
   const auto expect_same_bits = [](const auto& start, PreconditionerKind kind) {
-    ASSERT_GT(start.vertex_count(), 2 * RangeSum::grain - 1) << "too small to be split among threads";
+    ASSERT_GT(start.vertex_count(), 2 * DeterministicSum::grain - 1) << "too small to be split among threads";
     const auto run = [&](int threads) {
       auto body = start;
       ThreadPool pool(threads);
@@ -77,11 +78,11 @@ TYPED_TEST(StepDeterminism, SameBitsTwiceAndOnAnyNumberOfThreads) {
     for (const int threads : {1, 2, 4})
       EXPECT_TRUE(same_bits(reference, run(threads))) << threads << " threads, " << name_of(kind);
   };
-  const auto start = swinging_beam<Scalar, typename TypeParam::Element>(Dilatation::per_element);
+  const auto start = swinging_beam<Scalar, typename TypeParam::Element>(VolumetricStrain::pointwise);
   for (const PreconditionerKind kind :
        {PreconditionerKind::block_jacobi, PreconditionerKind::rigid_aggregates, PreconditionerKind::warped_cholesky})
     expect_same_bits(start, kind);
-  expect_same_bits(swinging_beam<Scalar, typename TypeParam::Element>(Dilatation::mean),
+  expect_same_bits(swinging_beam<Scalar, typename TypeParam::Element>(VolumetricStrain::averaged),
                    PreconditionerKind::rigid_aggregates);
 }
 
@@ -121,10 +122,12 @@ TYPED_TEST(StepDeterminism, AStepAllocatesNothing) {
   start_threads(pool, 2);
   using Body = SoftBody<Scalar, Element>;
   const auto expect_none = [&]<class Integrator = ImplicitEuler<Body>>(
-      Dilatation dilatation, const SolverOptions& options, const NewtonOptions& newton = {}) {
+      VolumetricStrain volumetric_strain, const SolverOptions& options, const StepOptions& newton = {}) {
     auto body = must(SoftBody<Scalar, Element>::create(
         testing::block<Scalar, Element>({.size = {1, 0.2, 0.2}, .cells = {8, 2, 2}}), Material{.young = 5e5},
-        {.mass = MassModel::consistent, .damping = {.mass = 0, .stiffness = 1e-3}, .dilatation = dilatation}));
+        {.mass = MassModel::consistent,
+         .damping = {.mass = 0, .stiffness = 1e-3},
+         .volumetric_strain = volumetric_strain}));
     body.pin_where([](const Vec3<Scalar>& x) { return x.x() == 0; });
     body.set_gravity({0, 0, Scalar(-9.81)});
     const Index led = body.pins().vertices().front();
@@ -138,25 +141,25 @@ TYPED_TEST(StepDeterminism, AStepAllocatesNothing) {
     }
     EXPECT_EQ(testing::allocation_count - before, 0) << name_of(options.preconditioner);
   };
-  expect_none(Dilatation::per_element, {.method = SolverMethod::cholesky});
+  expect_none(VolumetricStrain::pointwise, {.method = SolverMethod::cholesky});
   for (const PreconditionerKind kind :
        {PreconditionerKind::automatic, PreconditionerKind::jacobi, PreconditionerKind::block_jacobi,
         PreconditionerKind::rigid_aggregates, PreconditionerKind::warped_cholesky})
-    expect_none(Dilatation::per_element, {.method = SolverMethod::pcg, .preconditioner = kind});
-  expect_none(Dilatation::mean, {});
-  const NewtonOptions exact{.iterations = 5, .tolerance = 1e-3, .tangent = Tangent::exact};
-  expect_none(Dilatation::per_element, {}, exact);
-  expect_none(Dilatation::mean, {}, exact);
-  expect_none.template operator()<Bdf2<Body>>(Dilatation::per_element, {});
-  expect_none.template operator()<Bdf2<Body>>(Dilatation::per_element, {}, exact);
+    expect_none(VolumetricStrain::pointwise, {.method = SolverMethod::pcg, .preconditioner = kind});
+  expect_none(VolumetricStrain::averaged, {});
+  const StepOptions exact{.iterations = 5, .tolerance = 1e-3, .tangent = Tangent::consistent};
+  expect_none(VolumetricStrain::pointwise, {}, exact);
+  expect_none(VolumetricStrain::averaged, {}, exact);
+  expect_none.template operator()<Bdf2<Body>>(VolumetricStrain::pointwise, {});
+  expect_none.template operator()<Bdf2<Body>>(VolumetricStrain::pointwise, {}, exact);
 }
 
 // What an engine reads between steps, and the points it pushes and strikes.
 TYPED_TEST(StepDeterminism, ReadingABodyAllocatesNothingAndGivesTheSameBits) {
   using Scalar = typename TypeParam::Scalar;
   using Element = typename TypeParam::Element;
-  for (const Dilatation dilatation : {Dilatation::per_element, Dilatation::mean}) {
-    auto body = swinging_beam<Scalar, Element>(dilatation);
+  for (const VolumetricStrain volumetric_strain : {VolumetricStrain::pointwise, VolumetricStrain::averaged}) {
+    auto body = swinging_beam<Scalar, Element>(volumetric_strain);
     ImplicitEuler euler(body);
     ThreadPool pool(3);
     start_threads(pool, 3);

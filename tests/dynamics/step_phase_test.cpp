@@ -3,9 +3,9 @@
 #include <corotet/core/executor.hpp>
 #include <corotet/core/revision.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
+#include <corotet/dynamics/lag_key.hpp>
 #include <corotet/dynamics/soft_body.hpp>
 #include <corotet/dynamics/step_phase.hpp>
-#include <corotet/dynamics/system_era.hpp>
 #include <corotet/mesh/make_block.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
 #include <cstdint>
@@ -62,30 +62,29 @@ TEST(StepPhase, ObservingChangesNoBit) {
 }
 
 /// Motion, and steps that vary a little, go on with what was factored; anything else begins a new era.
-TEST(SystemEra, ChangesWithAllThatChangesTheMatrixButMotion) {
-  SystemEra era;
-  SystemEra::Settings now{
-      .mass_factor = 1, .stiffness_factor = 3e-4, .materials = new_revision(), .pins = new_revision()};
-  EXPECT_EQ(era.of(now), 1U);
+TEST(LagKey, ChangesWithAllThatChangesTheMatrixButMotion) {
+  LagKey lag_key;
+  LagKey::Settings now{.mass_factor = 1, .stiffness_factor = 3e-4, .materials = new_revision(), .pins = new_revision()};
+  EXPECT_EQ(lag_key.of(now), 1U);
   for (const double factor : {1.0, 1.2, 0.8, 1.0}) {
     now.stiffness_factor = factor * 3e-4;
-    EXPECT_EQ(era.of(now), 1U);
+    EXPECT_EQ(lag_key.of(now), 1U);
   }
   now.stiffness_factor = 6e-4;
-  EXPECT_EQ(era.of(now), 2U);
+  EXPECT_EQ(lag_key.of(now), 2U);
   now.mass_factor = 2;
-  EXPECT_EQ(era.of(now), 3U);
+  EXPECT_EQ(lag_key.of(now), 3U);
   now.materials = new_revision();
-  EXPECT_EQ(era.of(now), 4U);
+  EXPECT_EQ(lag_key.of(now), 4U);
   now.pins = new_revision();
-  EXPECT_EQ(era.of(now), 5U);
+  EXPECT_EQ(lag_key.of(now), 5U);
   now.pins.module = &now;  // the same number, of another shared library
-  EXPECT_EQ(era.of(now), 6U);
+  EXPECT_EQ(lag_key.of(now), 6U);
   // Slow growth does not creep past the limit: what counts is the first step of the era.
   std::uint64_t last = 6;
   for (int i = 0; i < 10; ++i) {
     now.stiffness_factor *= 1.1;
-    last = era.of(now);
+    last = lag_key.of(now);
   }
   EXPECT_EQ(last, 9U);  // 1.1^3 > 1.25 three times
 }

@@ -75,10 +75,10 @@ class Term : public ::testing::Test {
 };
 TYPED_TEST_SUITE(Term, testing::AllCases);
 
-constexpr NewtonOptions one_solve{}, converged{.iterations = 12, .tolerance = 1e-6, .tangent = Tangent::exact};
+constexpr StepOptions one_solve{}, converged{.iterations = 12, .tolerance = 1e-6, .tangent = Tangent::consistent};
 
 template <class Body>
-double largest_speed(const Body& body) {
+double max_speed(const Body& body) {
   double most = 0;
   for (const auto& v : body.velocities()) most = std::max(most, double(v.norm()));
   return most;
@@ -89,7 +89,7 @@ double largest_speed(const Body& body) {
 TYPED_TEST(Term, IsStableAtAnyStiffness) {
   using Scalar = typename TypeParam::Scalar;
   for (const double stiffness : {1e2, 1e5, 1e9})
-    for (const NewtonOptions& newton : {one_solve, converged}) {
+    for (const StepOptions& newton : {one_solve, converged}) {
       auto body = this->free_body(5e5, {.damping = {.mass = 2, .stiffness = 0.02}});
       body.set_gravity({0, 0, Scalar(-9.81)});
       const Index corner = this->corner(body);
@@ -103,7 +103,7 @@ TYPED_TEST(Term, IsStableAtAnyStiffness) {
       for (int step = 0; step < 300; ++step) {
         ASSERT_TRUE(euler.step(body, this->h, context).accepted()) << stiffness << " N/m, step " << step;
         ASSERT_TRUE(bdf2.step(swinging, this->h, context).accepted()) << stiffness << " N/m, step " << step;
-        fastest = std::max({fastest, largest_speed(body), largest_speed(swinging)});
+        fastest = std::max({fastest, max_speed(body), max_speed(swinging)});
       }
       EXPECT_LT(fastest, 20) << stiffness << " N/m";  // the jump of the corner in one step: 5 m/s
       const double hangs = body.mass().total() * 9.81 / stiffness;
@@ -112,7 +112,7 @@ TYPED_TEST(Term, IsStableAtAnyStiffness) {
         EXPECT_NEAR(-off.z(), hangs, 0.05 * hangs + 1e-4) << stiffness << " N/m";
         EXPECT_LT(std::hypot(off.x(), off.y()), 0.05 * hangs + 1e-4) << stiffness << " N/m";
       }
-      EXPECT_LT(largest_speed(body), 0.2) << stiffness << " N/m";
+      EXPECT_LT(max_speed(body), 0.2) << stiffness << " N/m";
     }
 }
 
@@ -121,7 +121,7 @@ TYPED_TEST(Term, IsStableAtAnyStiffness) {
 TYPED_TEST(Term, MomentaChangeByItsImpulse) {
   using Scalar = typename TypeParam::Scalar;
   for (const MassModel mass : {MassModel::lumped, MassModel::consistent})
-    for (const NewtonOptions& newton : {one_solve, converged}) {
+    for (const StepOptions& newton : {one_solve, converged}) {
       auto body = this->free_body(5e4, {.mass = mass});
       must(body.set_velocities(testing::spin_of(body.mesh(), {0.5, -1, 4})));
       const Index corner = this->corner(body);
@@ -205,7 +205,7 @@ TYPED_TEST(Term, DashpotsOfTheMassAreMassDamping) {
     body.pin_where([](const Vec3<Scalar>& x) { return x.x() < Scalar(-0.39); });
     body.set_gravity({0, 0, Scalar(-9.81)});
   };
-  for (const NewtonOptions& newton : {one_solve, NewtonOptions{.iterations = 12, .tolerance = 1e-8}}) {
+  for (const StepOptions& newton : {one_solve, StepOptions{.iterations = 12, .tolerance = 1e-8}}) {
     auto damped = this->free_body(5e5, {.damping = {.mass = 5, .stiffness = 0}}), dashed = this->free_body();
     hang(damped);
     hang(dashed);
@@ -229,7 +229,7 @@ TYPED_TEST(Term, ProportionalDampingIsRayleighs) {
   for (auto* body : {&own, &given}) body->pin_where([](const Vec3<Scalar>& x) { return x.x() < Scalar(-0.39); });
   own.set_gravity({0, Scalar(3), Scalar(-9.81)});
   given.set_gravity({0, Scalar(3), Scalar(-9.81)});
-  for (const NewtonOptions& newton : {one_solve, converged}) {
+  for (const StepOptions& newton : {one_solve, converged}) {
     Bdf2 a(own, testing::solver(), newton), b(given, testing::solver(), newton);
     for (int step = 0; step < 10; ++step) {
       ASSERT_TRUE(a.step(own, this->h).accepted());
@@ -260,7 +260,7 @@ TYPED_TEST(Term, CouplesVerticesFarApart) {
   };
   const auto mesh = testing::block<Scalar, typename TypeParam::Element>(this->bar);
   const Index left = mesh.nearest_vertex({Scalar(-0.4), 0, 0}), right = mesh.nearest_vertex({Scalar(0.4), 0, 0});
-  const VertexGroups couplings{.start = {0, 2}, .vertex = {left, right}};
+  const Stencils couplings{.start = {0, 2}, .vertex = {left, right}};
   for (const double stiffness : {1e4, 1e8}) {
     auto body = this->free_body(5e5, {.couplings = couplings});
     must(body.set_velocities(testing::spin_of(body.mesh(), {0, 0, 2})));

@@ -52,7 +52,7 @@ TYPED_TEST(EmbedBind, PointsOfElementsAreInsideAndFollowTheShapeFunctions) {
   auto surface = Surface::bind(mesh, points);
   ASSERT_TRUE(surface.ok());
   EXPECT_EQ(surface->outside_count(), 0);
-  EXPECT_EQ(surface->largest_distance(), 0);
+  EXPECT_EQ(surface->max_distance(), 0);
 
   // Any motion of the nodes, smooth or not, moves the point by its element's shape functions.
   Field<Scalar> u;
@@ -85,7 +85,7 @@ TYPED_TEST(EmbedBind, SharedFacesEdgesAndCornersAreInside) {
   }
   auto surface = Surface::bind(mesh, points);
   ASSERT_TRUE(surface.ok());
-  EXPECT_EQ(surface->outside_count(), 0) << surface->largest_distance();
+  EXPECT_EQ(surface->outside_count(), 0) << surface->max_distance();
   // Neighbours agree on shared points, so whichever was chosen, the motion is that of the mesh.
   const auto motion = [](const Vec3<double>& x) { return Vec3<double>(1.5 * x + Vec3<double>(x[1], -x[2], x[0])); };
   const Field<Scalar> u = this->displacements(mesh, motion);
@@ -109,8 +109,8 @@ TYPED_TEST(EmbedBind, ReportsExactlyTheVerticesOutside) {
     const Points sample = this->inside(mesh, 50000);
     double nearest = std::numeric_limits<double>::infinity();
     for (const Vec3<double>& x : sample) nearest = std::min(nearest, (x - points.back()).norm());
-    EXPECT_LE(surface->largest_distance(), nearest);
-    EXPECT_GE(surface->largest_distance(), nearest - 0.05);
+    EXPECT_LE(surface->max_distance(), nearest);
+    EXPECT_GE(surface->max_distance(), nearest - 0.05);
   } else {
     const Vec3<double> high = this->corner + this->size;
     points.insert(points.begin() + 5, high + Vec3<double>(0.3, 0, 0.4));
@@ -119,7 +119,7 @@ TYPED_TEST(EmbedBind, ReportsExactlyTheVerticesOutside) {
     ASSERT_TRUE(surface.ok());
     EXPECT_EQ(surface->outside_count(), 2);
     EXPECT_EQ(surface->outside_vertices(), (std::vector<Index>{5, 9}));
-    EXPECT_NEAR(surface->largest_distance(), 0.5, 8 * Fixture::epsilon);
+    EXPECT_NEAR(surface->max_distance(), 0.5, 8 * Fixture::epsilon);
   }
 }
 
@@ -131,7 +131,7 @@ TYPED_TEST(EmbedBind, NearestPointOfACurvedMeshIsNoFartherThanAnySample) {
     const auto surface = Surface::bind(mesh, Points{p});
     ASSERT_TRUE(surface.ok());
     for (const Vec3<double>& x : sample)
-      ASSERT_LE(surface->largest_distance(), (x - p).norm() * (1 + 1e-5) + 8 * Fixture::epsilon)
+      ASSERT_LE(surface->max_distance(), (x - p).norm() * (1 + 1e-5) + 8 * Fixture::epsilon)
           << ::testing::PrintToString(p);
   }
 }
@@ -146,7 +146,7 @@ TYPED_TEST(EmbedBind, DoesNotDependOnTheExecutor) {
   });
   ASSERT_TRUE(serial.ok() && backwards.ok());
   EXPECT_EQ(serial->outside_vertices(), backwards->outside_vertices());
-  EXPECT_EQ(serial->largest_distance(), backwards->largest_distance());
+  EXPECT_EQ(serial->max_distance(), backwards->max_distance());
   EXPECT_EQ(serial->boxes_visited(), backwards->boxes_visited());
   const Field<Scalar> u =
       this->displacements(mesh, [](const Vec3<double>& x) { return Vec3<double>(x.cwiseProduct(x)); });

@@ -43,10 +43,10 @@ SurfaceMesh box_surface() {
 }
 
 /// The same triangles over copies of the vertices, in random numbers and order: each corner names any of them.
-SurfaceMesh divided(const SurfaceMesh& surface, Index most_copies, unsigned seed, std::vector<Index>& source) {
+SurfaceMesh divided(const SurfaceMesh& surface, Index max_copies, unsigned seed, std::vector<Index>& source) {
   std::mt19937 random(seed);
   source.clear();
-  for (Index v = 0; v < size_of(surface.positions); ++v) source.insert(source.end(), 1 + random() % at(most_copies), v);
+  for (Index v = 0; v < size_of(surface.positions); ++v) source.insert(source.end(), 1 + random() % at(max_copies), v);
   std::shuffle(source.begin(), source.end(), random);
   std::vector<std::vector<Index>> copies(surface.positions.size());
   SurfaceMesh out;

@@ -65,8 +65,9 @@ bool spin() {
   auto block = make_block({.size = {1, 0.3, 0.2}, .cells = {5, 2, 2}});
   auto mesh = TetMesh<double, Tet4>::create(*block);
   if (!mesh) return false;
-  auto body = SoftBody<double, Tet4>::create(*mesh, Material{.young = 1e5, .poisson = 0.45, .density = 1000},
-                                             {.damping = {.mass = 0.1}, .dilatation = Dilatation::mean});
+  auto body =
+      SoftBody<double, Tet4>::create(*mesh, Material{.young = 1e5, .poisson = 0.45, .density = 1000},
+                                     {.damping = {.mass = 0.1}, .volumetric_strain = VolumetricStrain::averaged});
   const auto boundary = extract_boundary(*mesh);
   if (!boundary) return false;
   SurfaceMesh skin;

@@ -11,7 +11,7 @@ int use() {
   body->pin_where([](const Vec3<S>& x) { return x.x() < S(0.01); });
   ImplicitEuler euler(*body);
   Bdf2 second_order(*body);
-  AdaptiveStep adaptive{ImplicitEuler(*body), *body};
+  SubsteppingIntegrator adaptive{ImplicitEuler(*body), *body};
   const bool stepped =
       euler.step(*body, S(0.01)).ok() && second_order.step(*body, S(0.01)).ok() && adaptive.step(*body, S(0.1)).ok();
   SurfaceMesh skin = compact_surface(*extract_boundary(*block), block->positions).surface;

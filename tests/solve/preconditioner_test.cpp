@@ -54,7 +54,7 @@ void expect_lawful(const StepSystem<Scalar>& system, P& preconditioner, double c
     const auto a = padded(testing::random_field<Scalar>(n, 1, 2 * seed)),
                b = padded(testing::random_field<Scalar>(n, 1, 2 * seed + 1));
     PaddedField<Scalar> pa(a.size()), pb(a.size()), sum(a), p_sum(a.size());
-    for (std::size_t v = 0; v < a.size(); ++v) sum[v].set(a[v].quad() + b[v].quad());
+    for (std::size_t v = 0; v < a.size(); ++v) sum[v].set(a[v].vec4() + b[v].vec4());
     const double a_pa = preconditioner.apply(a, pa, serial), b_pb = preconditioner.apply(b, pb, serial);
     const double sum_p_sum = preconditioner.apply(sum, p_sum, serial);
     EXPECT_GT(a_pa, 0);
@@ -113,7 +113,7 @@ TYPED_TEST(Preconditioners, ObeyTheirLaw) {
 TYPED_TEST(Preconditioners, GiveTheSameBitsOnAnyNumberOfThreads) {
   using Scalar = typename TypeParam::Scalar;
   const BeamSystem<Scalar, typename TypeParam::Element> beam({24, 4, 4});  // several tasks in each loop
-  ASSERT_GT(beam.matrix.rows(), 2 * RangeSum::grain);
+  ASSERT_GT(beam.matrix.rows(), 2 * DeterministicSum::grain);
   const auto on_two_threads = [](Index count, auto&& task) {
     std::thread other([&] {
       for (Index i = count - 1; i >= 0; --i)
@@ -216,7 +216,7 @@ TYPED_TEST(Preconditioners, ANewEraIsNoticed) {
   iterations(soft.system(), rigid);
   iterations(soft.system(), warped);
   StepSystem<Scalar> later = stiff.system();
-  later.era = 2;
+  later.lag_key = 2;
   auto fresh_rigid = rigid_for(stiff, 10);
   auto fresh_warped = warped_for(stiff);
   EXPECT_EQ(iterations(later, rigid), iterations(later, fresh_rigid));
@@ -236,10 +236,10 @@ TYPED_TEST(Preconditioners, RecoverFromAMatrixThatCannotBeFactored) {
     preconditioner.update(bad.system(), serial);
     EXPECT_GT(iterations(good.system(), preconditioner), 0);
     StepSystem<Scalar> later = bad.system();
-    later.era = 2;
+    later.lag_key = 2;
     preconditioner.update(later, serial);
     StepSystem<Scalar> last = good.system();
-    last.era = 2;
+    last.lag_key = 2;
     EXPECT_GT(iterations(last, preconditioner), 0);
   };
   auto rigid = rigid_for(good, 8), three_levels = rigid_for(good, 12, 4);
@@ -321,8 +321,8 @@ TEST(Aggregates, ArePartitionsOfNearlyEqualSize) {
 /// Once an era; and again, but not soon, when solves take far longer than they did.
 TEST(RefactorizationPolicy, FollowsErasAndWear) {
   RefactorizationPolicy policy;
-  const auto solve = [&](std::uint64_t era, int applications) {
-    const bool due = policy.should_refactor(era);
+  const auto solve = [&](std::uint64_t lag_key, int applications) {
+    const bool due = policy.should_refactor(lag_key);
     for (int i = 0; i < applications; ++i) policy.count();
     return due;
   };

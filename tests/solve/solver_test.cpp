@@ -80,7 +80,7 @@ TEST(SolverChoice, FollowsTheIterationsThatSolvesTake) {
     EXPECT_EQ(solver.preconditioner(),
               stiff ? PreconditionerKind::warped_cholesky : PreconditionerKind::rigid_aggregates);
     EXPECT_NE(solver.predicted_products(), predicted) << "from the iterations seen";
-    ++beam.era;
+    ++beam.lag_key;
     EXPECT_EQ(solver.solve(beam.system(), x, serial).status, SolveStatus::converged);
     EXPECT_EQ(solver.preconditioner(), PreconditionerKind::rigid_aggregates);
   }

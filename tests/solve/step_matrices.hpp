@@ -43,14 +43,14 @@ struct BeamSystem {
       }
   }
 
-  [[nodiscard]] StepSystem<Scalar> system() const { return {matrix, right_side, displacement, pinned, era}; }
+  [[nodiscard]] StepSystem<Scalar> system() const { return {matrix, right_side, displacement, pinned, lag_key}; }
   [[nodiscard]] const Field<Scalar>& rest() const { return mesh.positions(); }
 
   TetMesh<Scalar, Element> mesh;
   BlockMatrix<Scalar> matrix;
   Field<Scalar> right_side, displacement;
   std::vector<Index> pinned;
-  std::uint64_t era = 1;
+  std::uint64_t lag_key = 1;
 };
 
 template <class Scalar>

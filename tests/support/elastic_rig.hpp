@@ -39,11 +39,11 @@ struct Rig {
   SerialExecutor serial;
 
   explicit Rig(TetMesh<Scalar, Element> m, const Materials& materials = rubber,
-               Dilatation dilatation = Dilatation::per_element, Tangent tangent = Tangent::plain)
+               VolumetricStrain volumetric_strain = VolumetricStrain::pointwise, Tangent tangent = Tangent::warped)
       : mesh(std::move(m)),
-        law(mesh, materials, dilatation),
+        law(mesh, materials, volumetric_strain),
         pattern(std::make_shared<const BlockPattern>(
-            BlockPattern::of(mesh.elements(), mesh.vertex_count(), law.vertex_groups()))),
+            BlockPattern::of(mesh.elements(), mesh.vertex_count(), law.stencils()))),
         state(law, tangent) {}
 
   Field<Scalar> force(const Field<Scalar>& u) {

@@ -34,10 +34,10 @@ void add_mean_dilatation(const BlockPattern& p, const typename Law::Evaluation& 
                          StiffnessSum<Scalar, same_ratio>& sum) {
   constexpr std::size_t n = Law::nodes;
   if constexpr (MeanDilatation<Scalar, typename Law::element_type>::over_patches) {
-    for (Index c = p.group_contribution_start[u]; c < p.group_contribution_start[u + 1]; ++c) {
-      const Index code = p.group_contribution[at(c)];
-      sum.add_mean(state.mean_gradient(BlockPattern::row_of_group(code)),
-                   state.mean_gradient(BlockPattern::column_of_group(code)));
+    for (Index c = p.stencil_contribution_start[u]; c < p.stencil_contribution_start[u + 1]; ++c) {
+      const Index code = p.stencil_contribution[at(c)];
+      sum.add_mean(state.mean_gradient(BlockPattern::row_of_stencil(code)),
+                   state.mean_gradient(BlockPattern::column_of_stencil(code)));
     }
   } else {
     for (Index c = p.contribution_start[u]; c < p.contribution_start[u + 1]; ++c) {

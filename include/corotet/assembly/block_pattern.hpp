@@ -14,11 +14,11 @@ namespace corotet::inline v0_1 {
 
 /// Sets of vertices that a term of the energy couples besides those of an element: group g has the vertices
 /// vertex[start[g]] ... vertex[start[g + 1] - 1], each once.
-struct VertexGroups {
+struct Stencils {
   std::vector<Index> start;   ///< groups + 1 entries, or none
-  std::vector<Index> vertex;  ///< at most `most_vertices` a group
+  std::vector<Index> vertex;  ///< at most `max_vertices` a group
 
-  static constexpr Index most_vertices = 16;
+  static constexpr Index max_vertices = 16;
 
   [[nodiscard]] Index count() const { return start.empty() ? 0 : size_of(start) - 1; }
 };
@@ -41,16 +41,16 @@ struct BlockPattern {
   std::vector<Index> contribution;        ///< (element * nodes + a) * nodes + b
 
   /// The same for groups of vertices; both empty if there are none.
-  std::vector<Index> group_contribution_start;
-  std::vector<Index> group_contribution;  ///< see row_of_group, column_of_group
+  std::vector<Index> stencil_contribution_start;
+  std::vector<Index> stencil_contribution;  ///< see row_of_stencil, column_of_stencil
 
-  /// Places in VertexGroups::vertex of the row and the column of a group's contribution.
-  [[nodiscard]] static std::size_t row_of_group(Index code) { return at(code / code_range); }
-  [[nodiscard]] static std::size_t column_of_group(Index code) {
-    return at(code / code_range + code % code_range - VertexGroups::most_vertices);
+  /// Places in Stencils::vertex of the row and the column of a group's contribution.
+  [[nodiscard]] static std::size_t row_of_stencil(Index code) { return at(code / code_range); }
+  [[nodiscard]] static std::size_t column_of_stencil(Index code) {
+    return at(code / code_range + code % code_range - Stencils::max_vertices);
   }
   /// Members of all groups that a pattern can number.
-  static constexpr std::size_t most_group_members = (std::size_t{1} << 31) / (2 * VertexGroups::most_vertices);
+  static constexpr std::size_t max_stencil_members = (std::size_t{1} << 31) / (2 * Stencils::max_vertices);
 
   std::vector<Index> incidence_start;  ///< n + 1 entries
   std::vector<Index> incidence;        ///< element * nodes + a, ascending, for each vertex
@@ -60,8 +60,8 @@ struct BlockPattern {
 
   [[nodiscard]] std::size_t bytes() const {
     return bytes_of(row_start) + bytes_of(column) + bytes_of(diagonal) + bytes_of(upper) +
-           bytes_of(contribution_start) + bytes_of(contribution) + bytes_of(group_contribution_start) +
-           bytes_of(group_contribution) + bytes_of(incidence_start) + bytes_of(incidence);
+           bytes_of(contribution_start) + bytes_of(contribution) + bytes_of(stencil_contribution_start) +
+           bytes_of(stencil_contribution) + bytes_of(incidence_start) + bytes_of(incidence);
   }
 
   /// The slot of block (row, col), which must be there.
@@ -81,9 +81,8 @@ struct BlockPattern {
   /// O(elements * nodes^2 * log(blocks in a row)).
   template <std::size_t N>
   [[nodiscard]] COROTET_COLD static BlockPattern of(const std::vector<std::array<Index, N>>& elements, Index vertices,
-                                                    const VertexGroups& groups = {},
-                                                    const VertexGroups& couplings = {}) {
-    COROTET_ASSERT(groups.vertex.size() <= most_group_members, "too many groups for 32-bit indices");
+                                                    const Stencils& groups = {}, const Stencils& couplings = {}) {
+    COROTET_ASSERT(groups.vertex.size() <= max_stencil_members, "too many groups for 32-bit indices");
     BlockPattern p;
     p.find_incidence(elements, vertices);
     p.find_blocks(elements, groups, couplings);
@@ -95,7 +94,7 @@ struct BlockPattern {
               for (std::size_t b = 0; b < N; ++b) visit(elements[e][a], elements[e][b], code(e, a, b));
         },
         elements.size() * N * (N + 1) / 2, p.contribution_start, p.contribution);
-    if (groups.count() > 0) p.find_group_contributions(groups);
+    if (groups.count() > 0) p.find_stencil_contributions(groups);
     return p;
   }
 
@@ -113,10 +112,10 @@ struct BlockPattern {
   }
 
   template <std::size_t N>
-  COROTET_COLD void find_blocks(const std::vector<std::array<Index, N>>& elements, const VertexGroups& groups,
-                                const VertexGroups& couplings) {
+  COROTET_COLD void find_blocks(const std::vector<std::array<Index, N>>& elements, const Stencils& groups,
+                                const Stencils& couplings) {
     const std::size_t n = incidence_start.size() - 1;
-    const auto groups_of_vertices = [n](const VertexGroups& several) {
+    const auto groups_of_vertices = [n](const Stencils& several) {
       std::vector<std::vector<Index>> groups_of(several.count() > 0 ? n : 0);
       for (Index g = 0; g < several.count(); ++g)
         for (Index k = several.start[at(g)]; k < several.start[at(g) + 1]; ++k)
@@ -134,7 +133,7 @@ struct BlockPattern {
         const auto& nodes = elements[at(incidence[at(k)]) / N];
         row.insert(row.end(), nodes.begin(), nodes.end());
       }
-      const auto add_groups = [&](const VertexGroups& several, const std::vector<std::vector<Index>>& of_vertex) {
+      const auto add_groups = [&](const Stencils& several, const std::vector<std::vector<Index>>& of_vertex) {
         if (of_vertex.empty()) return;
         for (const Index g : of_vertex[i])
           row.insert(row.end(), several.vertex.begin() + several.start[at(g)],
@@ -152,11 +151,11 @@ struct BlockPattern {
       for (Index k = diagonal[at(i)]; k < row_start[at(i) + 1]; ++k) upper.push_back({k, slot(column[at(k)], i)});
   }
 
-  static constexpr Index code_range = 2 * VertexGroups::most_vertices;
+  static constexpr Index code_range = 2 * Stencils::max_vertices;
 
-  COROTET_COLD void find_group_contributions(const VertexGroups& groups) {
+  COROTET_COLD void find_stencil_contributions(const Stencils& groups) {
     const auto code = [](Index row, Index column_place) {
-      return at(row) * at(code_range) + at(column_place - row + VertexGroups::most_vertices);
+      return at(row) * at(code_range) + at(column_place - row + Stencils::max_vertices);
     };
     find_contributions(
         [&](auto&& visit) {
@@ -165,7 +164,7 @@ struct BlockPattern {
               for (Index b = groups.start[at(g)]; b < groups.start[at(g) + 1]; ++b)
                 visit(groups.vertex[at(a)], groups.vertex[at(b)], code(a, b));
         },
-        groups.vertex.size(), group_contribution_start, group_contribution);
+        groups.vertex.size(), stencil_contribution_start, stencil_contribution);
   }
 
   /// Sorts contributions by their block. `for_each_pair` visits (row vertex, column vertex, code) of each, below the

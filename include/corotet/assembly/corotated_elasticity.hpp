@@ -37,8 +37,8 @@ namespace corotet::inline v0_1 {
 /// With S = R^T F at a quadrature point, strain e = sym(S) - I and stress sigma = 2 mu e + lambda tr(e) I, the energy
 /// is W = sum V (mu |e|^2 + lambda/2 tr(e)^2) and the force on node a is f_a = -sum V R sigma grad N_a: docs/theory.md,
 /// equations 3 to 5. With Polar rotations at each quadrature point f is exactly -dW/dx (Chao, Pinkall, Sanan & Schröder
-/// 2010, section 4.1), where it is clear which rotation is nearest (clear_choice). With Dilatation::mean, tr(e) is a
-/// mean over several points instead: see MeanDilatation.
+/// 2010, section 4.1), where it is clear which rotation is nearest (clear_choice). With VolumetricStrain::averaged,
+/// tr(e) is a mean over several points instead: see MeanDilatation.
 template <std::floating_point Scalar, ReferenceElement Element, RotationExtractor Rotation>
 class CorotatedElasticity {
  public:
@@ -59,8 +59,8 @@ class CorotatedElasticity {
 
   /// `materials` must pass Materials::validate for this mesh.
   COROTET_COLD CorotatedElasticity(const TetMesh<Scalar, Element>& mesh, const Materials& materials,
-                                   Dilatation dilatation = Dilatation::per_element)
-      : elements_(mesh.element_count()), batches_(detail::rest_batches(mesh)), mean_(mesh, dilatation) {
+                                   VolumetricStrain volumetric_strain = VolumetricStrain::pointwise)
+      : elements_(mesh.element_count()), batches_(detail::rest_batches(mesh)), mean_(mesh, volumetric_strain) {
     set_materials(materials);
   }
 
@@ -76,7 +76,7 @@ class CorotatedElasticity {
       if (common_lame_ratio_ != ratio) common_lame_ratio_.reset();
       batch.lame_ratio.set(l, ratio);
       for (auto& point : batch.point)
-        point.root_stiffness.set(l, static_cast<Scalar>(std::sqrt(mu * static_cast<double>(point.volume[l]))));
+        point.sqrt_mu_volume.set(l, static_cast<Scalar>(std::sqrt(mu * static_cast<double>(point.volume[l]))));
     }
     if (mean_.on()) mean_.update_weights(batches_);
   }
@@ -87,7 +87,7 @@ class CorotatedElasticity {
   [[nodiscard]] const detail::Buffer<Batch>& batches() const { return batches_; }
   [[nodiscard]] const MeanDilatation<Scalar, Element>& mean_dilatation() const { return mean_; }
   /// Vertices that the matrix couples besides those of an element: for BlockPattern::of.
-  [[nodiscard]] const VertexGroups& vertex_groups() const { return mean_.patches().vertices; }
+  [[nodiscard]] const Stencils& stencils() const { return mean_.patches().vertices; }
 
   /// Rotations, nodal forces and rotated gradients of every element at `displacement` (m, one a vertex).
   void evaluate(const Field<Scalar>& displacement, Evaluation& out, ExecutorRef executor) const {
@@ -164,7 +164,7 @@ class CorotatedElasticity {
       const Strain e = corotational_strain(f[q], r[q]);
       const Lanes<Scalar> trace = e.trace();
       const Lanes<Scalar> each =
-          strain_energy(e, batch.lame_ratio * trace + mean.tension, batch.point[q].root_stiffness);
+          strain_energy(e, batch.lame_ratio * trace + mean.tension, batch.point[q].sqrt_mu_volume);
       for (int l = 0; l < lane_count<Scalar>; ++l) sum += static_cast<double>(each[l]);
       if (mean_.on() && Mean::over_patches)
         for (int l = 0; l < lane_count<Scalar>; ++l) scratch[at(b * lane_count<Scalar> + l)] = double(trace[l]);
@@ -176,7 +176,7 @@ class CorotatedElasticity {
     using L = Lanes<Scalar>;
     const Batch& batch = batches_[at(b)];
     std::array<Mat3Lanes<Scalar>, points> f, r;
-    const L least_determinant = deformation_of_batch<Rotation>(batch, displacement, f, r);
+    const L min_determinant = deformation_of_batch<Rotation>(batch, displacement, f, r);
 
     const bool over_patches = mean_.on() && Mean::over_patches, own_mean = mean_.on() && !Mean::over_patches;
     const typename Mean::OfBatch mean = mean_.of_batch(batch, b, f, r);
@@ -189,8 +189,8 @@ class CorotatedElasticity {
     for (std::size_t q = 0; q < points; ++q) {
       const Mat3Lanes<Scalar>&fq = f[q], &rq = r[q];
       const Strain e = corotational_strain(fq, rq);
-      extremes.largest_strain2 = lane_max(extremes.largest_strain2, e.squared_norm());
-      extremes.least_trace = lane_min(extremes.least_trace, rq(0, 0) + rq(1, 1) + rq(2, 2));
+      extremes.max_strain2 = lane_max(extremes.max_strain2, e.squared_norm());
+      extremes.min_trace = lane_min(extremes.min_trace, rq(0, 0) + rq(1, 1) + rq(2, 2));
 
       const Mat3Lanes<Scalar>& inverse = batch.point[q].inverse_jacobian;
       Mat3Lanes<Scalar> stress, rotated, rotated_stress, natural_stress;
@@ -210,7 +210,7 @@ class CorotatedElasticity {
       product(rq, stress, rotated_stress);
       product_with_transpose(rotated_stress, inverse, natural_stress);
       for (auto& row : rotated.entry)
-        for (L& entry : row) entry = entry * batch.point[q].root_stiffness;
+        for (L& entry : row) entry = entry * batch.point[q].sqrt_mu_volume;
 
       for (std::size_t a = 0; a < nodes; ++a) {
         const Vec3Lanes<Scalar> gradient = Batch::times_gradient(rotated, q, a);
@@ -229,13 +229,13 @@ class CorotatedElasticity {
       for (std::size_t a = 0; a < nodes; ++a)
         store_side_by_side(mean_gradient[a][0], mean_gradient[a][1], mean_gradient[a][2], L(0),
                            out.mean_gradient(at(first * nodes) + a), Evaluation::stride, used);
-    extremes.inverted += select(least_determinant > 0, L(0), L(1));  // at most 16 batches: exact
+    extremes.inverted += select(min_determinant > 0, L(0), L(1));  // at most 16 batches: exact
   }
 
   /// What follows from the stress at a point besides forces.
   static void add_stress(const Batch& batch, std::size_t q, Index b, const Strain& e, const Lanes<Scalar>& volumetric,
                          const Mat3Lanes<Scalar>& r, Evaluation& out, Extremes& extremes) {
-    extremes.add_stress(e, volumetric, batch.point[q].root_stiffness);
+    extremes.add_stress(e, volumetric, batch.point[q].sqrt_mu_volume);
     if (has_twist_modes && out.twist.wanted()) out.twist.set(q, b, e, volumetric, r);
   }
 
@@ -249,7 +249,7 @@ class CorotatedElasticity {
                    extremes);
       }
       const DeformationExtremes found = extremes.of_all_lanes();
-      out.extremes[at(begin / batch_grain)].largest_stress2 = found.largest_stress2;
+      out.extremes[at(begin / batch_grain)].max_stress2 = found.max_stress2;
       out.extremes[at(begin / batch_grain)].energy = found.energy;
     });
   }
@@ -257,7 +257,7 @@ class CorotatedElasticity {
   /// Minus the stress times the volume: -V (2 mu e + mu volumetric I).
   static void scaled_stress(const Batch& batch, std::size_t q, const Strain& e, const Lanes<Scalar>& volumetric,
                             Mat3Lanes<Scalar>& s) {
-    const Lanes<Scalar> stiffness = batch.point[q].root_stiffness * batch.point[q].root_stiffness;
+    const Lanes<Scalar> stiffness = batch.point[q].sqrt_mu_volume * batch.point[q].sqrt_mu_volume;
     const Lanes<Scalar> two_mu = Lanes<Scalar>(-2) * stiffness;
     const Lanes<Scalar> pressure = stiffness * volumetric;
     for (int i = 0; i < 3; ++i) {

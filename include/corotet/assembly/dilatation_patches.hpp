@@ -19,7 +19,7 @@ namespace corotet::inline v0_1 {
 struct DilatationPatches {
   std::vector<Index> start;    ///< patches + 1 entries
   std::vector<Index> element;  ///< of patch p: element[start[p]] ... element[start[p + 1] - 1]
-  VertexGroups vertices;       ///< of each patch
+  Stencils vertices;           ///< of each patch
 
   [[nodiscard]] Index count() const { return vertices.count(); }
 };
@@ -43,7 +43,7 @@ class PatchGrower {
       measure(e, [&](std::size_t a) { return mesh.node_position(static_cast<Index>(e), a); });
     find_neighbours();
     grow_all();
-    for (std::size_t size = 1; size < least_elements; ++size)
+    for (std::size_t size = 1; size < min_elements; ++size)
       for (std::size_t p = 0; p < patches_.size(); ++p)
         if (patches_[p].elements.size() == size) join_a_neighbour(p);
   }
@@ -65,8 +65,8 @@ class PatchGrower {
 
  private:
   static constexpr Index none = -1;
-  static constexpr std::size_t most_vertices_grown = 8, most_vertices_joined = 12, least_elements = 5;
-  static_assert(most_vertices_joined <= VertexGroups::most_vertices);
+  static constexpr std::size_t max_vertices_grown = 8, max_vertices_joined = 12, min_elements = 5;
+  static_assert(max_vertices_joined <= Stencils::max_vertices);
 
   struct Face {
     Index element = none;  // behind it
@@ -152,7 +152,7 @@ class PatchGrower {
     double best_score = 0;
     for (const Candidate& c : candidates_) {
       const std::size_t vertices = united(patch.vertices, nodes_[at(c.index)]).size();
-      if (vertices > most_vertices_grown) continue;
+      if (vertices > max_vertices_grown) continue;
       // Compactness is .21 for a cube and less for any polyhedron with fewer faces: a vertex spared outweighs it.
       const double spared = vertices == patch.vertices.size() ? 1 : 0;
       const double compactness = std::cbrt(std::pow(patch.volume + volume_[at(c.index)], 2)) /
@@ -175,7 +175,7 @@ class PatchGrower {
     for (const Candidate& c : candidates_) {
       const Patch& other = patches_[at(c.index)];
       const double score = c.shared / double(other.elements.size());
-      if (score <= best_score * clearly || united(patches_[p].vertices, other.vertices).size() > most_vertices_joined)
+      if (score <= best_score * clearly || united(patches_[p].vertices, other.vertices).size() > max_vertices_joined)
         continue;
       best_score = score;
       best = c.index;

@@ -21,9 +21,9 @@ namespace detail {
 /// The sum over the elements of what they have stored for a vertex.
 template <std::floating_point Scalar>
 [[nodiscard]] Vec3<Scalar> sum_of_nodes(const BlockPattern& pattern, const PaddedField<Scalar>& of_node, Index vertex) {
-  Quad<Scalar> sum(Scalar(0));
+  Vec4<Scalar> sum(Scalar(0));
   for (Index k = pattern.incidence_start[at(vertex)]; k < pattern.incidence_start[at(vertex) + 1]; ++k)
-    sum += of_node[at(pattern.incidence[at(k)])].quad();
+    sum += of_node[at(pattern.incidence[at(k)])].vec4();
   Vec3<Scalar> out;
   sum.template store_part<3>(out.data());
   return out;
@@ -31,7 +31,7 @@ template <std::floating_point Scalar>
 
 /// The nine numbers of a block, by columns.
 template <std::floating_point Scalar>
-COROTET_ALWAYS_INLINE void write_columns(const std::array<Quad<Scalar>, 3>& column, Scalar* out) {
+COROTET_ALWAYS_INLINE void write_columns(const std::array<Vec4<Scalar>, 3>& column, Scalar* out) {
   column[0].store(out);  // what is written behind a column is overwritten by the next
   column[1].store(out + 3);
   column[2].template store_part<3>(out + 6);
@@ -61,9 +61,9 @@ class ElasticEvaluation {
 
   /// `tangent`: plain is all there is where the rotation is not Polar at each point, see Elasticity::has_twist_modes.
   template <class Law>
-  COROTET_COLD explicit ElasticEvaluation(const Law& law, Tangent tangent = Tangent::plain)
+  COROTET_COLD explicit ElasticEvaluation(const Law& law, Tangent tangent = Tangent::warped)
       : extremes((law.batches().size() + at(Law::batch_grain) - 1) / at(Law::batch_grain)),
-        twist(Law::has_twist_modes ? tangent : Tangent::plain, law.batches().size(), points),
+        twist(Law::has_twist_modes ? tangent : Tangent::warped, law.batches().size(), points),
         force_(at(law.element_count()) * nodes),
         volumetric_stress_(law.batches().size() * points),
         gradient_(at(law.element_count()) * points * nodes),
@@ -71,7 +71,7 @@ class ElasticEvaluation {
         frame_(law.mean_dilatation().needs_frames() ? law.batches().size() : 0),
         elements_(at(law.element_count())) {}
 
-  [[nodiscard]] DeformationExtremes worst() const {
+  [[nodiscard]] DeformationExtremes summary() const {
     DeformationExtremes all;
     for (const DeformationExtremes& part : extremes) all.merge(part);
     return all;
@@ -196,7 +196,7 @@ class StiffnessSum {
   }
 
  private:
-  using Q = Quad<Scalar>;
+  using Q = Vec4<Scalar>;
 
   [[nodiscard]] COROTET_ALWAYS_INLINE static Q unit(std::size_t c) {
     std::array<Scalar, 4> e{};

@@ -67,7 +67,7 @@ void measure_batch(const Law& law, const Field<Scalar>& displacement, Index b, s
     volume += v;
     determinants += v * determinant(f[q]);
     volumetric += v * p;
-    energy += strain_energy(e, p, batch.point[q].root_stiffness);
+    energy += strain_energy(e, p, batch.point[q].sqrt_mu_volume);
     Mat3Lanes<Scalar> local, half, turned;
     for (int i = 0; i < 3; ++i) {
       local(i, i) = e[at(i)];
@@ -82,7 +82,7 @@ void measure_batch(const Law& law, const Field<Scalar>& displacement, Index b, s
   }
   Mat3Lanes<Scalar> rotation = r[0];
   if constexpr (points > 1) law.rotation_of(batch, f, rotation);
-  const L root = batch.point[0].root_stiffness;
+  const L root = batch.point[0].sqrt_mu_volume;
   const Index first = b * lane_count<Scalar>;
   const int used = (std::min)(lane_count<Scalar>, static_cast<int>(law.element_count() - first));
   for (int l = 0; l < used; ++l) {
@@ -122,7 +122,7 @@ void element_measures(const Law& law, const Field<Scalar>& displacement, std::sp
           [&](Index e, Scalar tension) {
             const auto& point = law.batches()[at(e / lane_count<Scalar>)].point[0];
             const int l = e % lane_count<Scalar>;
-            const Scalar pressure = point.root_stiffness[l] * (point.root_stiffness[l] / point.volume[l]) * tension;
+            const Scalar pressure = point.sqrt_mu_volume[l] * (point.sqrt_mu_volume[l] / point.volume[l]) * tension;
             out[at(e)].stress += pressure * Mat3<Scalar>::Identity();
             out[at(e)].energy_density += pressure * out[at(e)].strain.trace() / 2;
           });

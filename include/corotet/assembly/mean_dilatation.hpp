@@ -21,11 +21,11 @@
 namespace corotet::inline v0_1 {
 
 /// What resists a change of volume, theta = tr(R^T F) - 3.
-enum class Dilatation {
+enum class VolumetricStrain {
   /// theta at each quadrature point: W = sum V lambda/2 theta^2. Locks as Poisson's ratio nears 1/2.
-  per_element,
+  pointwise,
   /// The mean of theta over a patch of elements (Tet4) or over the element (Tet10): see MeanDilatation.
-  mean
+  averaged
 };
 
 /// Mean dilatation (Nagtegaal, Parks & Rice 1974; Hughes 1980; over patches of linear tetrahedra: de Souza Neto,
@@ -52,7 +52,8 @@ class MeanDilatation {
   /// Off: every element for itself.
   MeanDilatation() = default;
 
-  MeanDilatation(const TetMesh<Scalar, Element>& mesh, Dilatation kind) : on_(kind == Dilatation::mean) {
+  MeanDilatation(const TetMesh<Scalar, Element>& mesh, VolumetricStrain kind)
+      : on_(kind == VolumetricStrain::averaged) {
     if (!on_) return;
     ratio_.assign(at((mesh.element_count() + lane_count<Scalar> - 1) / lane_count<Scalar>), L(0));
     if constexpr (over_patches) {
@@ -86,7 +87,7 @@ class MeanDilatation {
           for (Index k = patches_.start[at(p)]; k < patches_.start[at(p) + 1]; ++k) {
             const Index e = patches_.element[at(k)], b = e / lane_count<Scalar>;
             const int l = e % lane_count<Scalar>;
-            const auto root = static_cast<double>(batches[at(b)].point[0].root_stiffness[l]);
+            const auto root = static_cast<double>(batches[at(b)].point[0].sqrt_mu_volume[l]);
             visit(weight_[at(k)], static_cast<double>(ratio_[at(b)][l]), root);
           }
         };
@@ -110,7 +111,7 @@ class MeanDilatation {
     if (over_patches || !on_) return {};
     L stiffness = 0, sum = 0;
     for (std::size_t q = 0; q < Batch::points; ++q) {
-      const L root = batch.point[q].root_stiffness;
+      const L root = batch.point[q].sqrt_mu_volume;
       stiffness += root * root;
       sum += root * root * corotational_strain(f[q], r[q]).trace();
     }
@@ -118,7 +119,7 @@ class MeanDilatation {
     OfBatch out;
     out.tension = ratio_[at(b)] * sum / stiffness;
     const L scale = sqrt(ratio_[at(b)] / stiffness);
-    for (std::size_t q = 0; q < Batch::points; ++q) out.factor[q] = scale * batch.point[q].root_stiffness;
+    for (std::size_t q = 0; q < Batch::points; ++q) out.factor[q] = scale * batch.point[q].sqrt_mu_volume;
     return out;
   }
 
@@ -198,7 +199,7 @@ class MeanDilatation {
   }
 
   void finish_patch(Index p, Evaluation& state) const {
-    using Q = Quad<Scalar>;
+    using Q = Vec4<Scalar>;
     const Index begin = patches_.start[at(p)], end = patches_.start[at(p) + 1];
     const Index first = patches_.vertices.start[at(p)], count = patches_.vertices.start[at(p) + 1] - first;
     Scalar total = 0, sum = 0;  // of the traces' weights, sqrt(J), and with theta
@@ -207,7 +208,7 @@ class MeanDilatation {
       sum += weight_[at(k)].trace * state.volumetric_stress(0, patches_.element[at(k)]);
     }
     const Scalar theta = total > 0 ? sum / total : Scalar(0);
-    std::array<Q, std::size_t{VertexGroups::most_vertices}> g;
+    std::array<Q, std::size_t{Stencils::max_vertices}> g;
     for (Index i = 0; i < count; ++i) g[at(i)] = Q(Scalar(0));
     for (Index k = begin; k < end; ++k) {
       const Index e = patches_.element[at(k)];

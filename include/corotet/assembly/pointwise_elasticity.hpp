@@ -50,12 +50,12 @@ class PointwiseElasticity {
 
   /// `materials` must pass Materials::validate for this mesh. `dilatation` must be per_element.
   COROTET_COLD PointwiseElasticity(const TetMesh<Scalar, Element>& mesh, const Materials& materials,
-                                   Dilatation dilatation = Dilatation::per_element)
+                                   VolumetricStrain volumetric_strain = VolumetricStrain::pointwise)
       : elements_(mesh.element_count()),
         batches_(detail::rest_batches(mesh)),
         constants_(batches_.size()),
         inverse_mu_(batches_.size()) {
-    COROTET_ASSERT(dilatation == Dilatation::per_element, "only the corotated model has a mean dilatation");
+    COROTET_ASSERT(volumetric_strain == VolumetricStrain::pointwise, "only the corotated model has a mean dilatation");
     set_materials(materials);
   }
 
@@ -75,7 +75,7 @@ class PointwiseElasticity {
   /// Off.
   [[nodiscard]] const MeanDilatation<Scalar, Element>& mean_dilatation() const { return no_mean_; }
   /// None: the matrix couples the vertices of an element alone.
-  [[nodiscard]] const VertexGroups& vertex_groups() const { return no_mean_.patches().vertices; }
+  [[nodiscard]] const Stencils& stencils() const { return no_mean_.patches().vertices; }
 
   /// The states of all quadrature points at rest.
   [[nodiscard]] States states_at_rest() const { return States(batches_.size(), points); }
@@ -157,8 +157,8 @@ class PointwiseElasticity {
     const Batch& batch = batches_[at(b)];
     const typename Model::template Constants<Scalar>& constants = constants_[at(b)];
     Matrices f, r;
-    const L least_determinant = deformation_of_batch<typename Model::Rotation>(batch, displacement, f, r);
-    extremes.inverted += select(least_determinant > 0, L(0), L(1));  // at most 16 batches: exact
+    const L min_determinant = deformation_of_batch<typename Model::Rotation>(batch, displacement, f, r);
+    extremes.inverted += select(min_determinant > 0, L(0), L(1));  // at most 16 batches: exact
 
     std::array<Vec3Lanes<Scalar>, std::size_t{nodes}> force;
     for (Vec3Lanes<Scalar>& node : force) node.fill(L(0));
@@ -172,10 +172,10 @@ class PointwiseElasticity {
       out.trial().set(q, b, trial);
 
       const L& volume = batch.point[q].volume;
-      extremes.largest_strain2 = lane_max(extremes.largest_strain2, corotational_strain(f[q], r[q]).squared_norm());
-      extremes.least_trace = lane_min(extremes.least_trace, r[q](0, 0) + r[q](1, 1) + r[q](2, 2));
-      extremes.largest_stress2 =
-          lane_max(extremes.largest_stress2, squared_norm_of(stress) * inverse_mu_[at(b)] * inverse_mu_[at(b)]);
+      extremes.max_strain2 = lane_max(extremes.max_strain2, corotational_strain(f[q], r[q]).squared_norm());
+      extremes.min_trace = lane_min(extremes.min_trace, r[q](0, 0) + r[q](1, 1) + r[q](2, 2));
+      extremes.max_stress2 =
+          lane_max(extremes.max_stress2, squared_norm_of(stress) * inverse_mu_[at(b)] * inverse_mu_[at(b)]);
       extremes.energy += volume * Model::energy(constants, deformation, before);
 
       product_with_transpose(stress, batch.point[q].inverse_jacobian, natural_stress);

@@ -26,19 +26,19 @@ template <std::floating_point Scalar>
 class ModelTangent {
  public:
   ModelTangent() = default;
-  explicit ModelTangent(Tangent tangent) : tangent_(tangent), projects_(tangent != Tangent::exact) {}
+  explicit ModelTangent(Tangent tangent) : tangent_(tangent), projects_(tangent != Tangent::consistent) {}
 
   [[nodiscard]] Tangent tangent() const { return tangent_; }
   [[nodiscard]] bool projects() const { return projects_; }
-  void project(bool on) { projects_ = on || tangent_ != Tangent::exact; }
+  void project(bool on) { projects_ = on || tangent_ != Tangent::consistent; }
 
   /// Of no meaning here: there are no modes beside the tangent.
-  void leave(double /*most*/) {}
-  [[nodiscard]] Scalar left() const { return 0; }
+  void set_cap(double /*cap*/) {}
+  [[nodiscard]] Scalar cap() const { return 0; }
   [[nodiscard]] double active_share() const { return 0; }
 
  private:
-  Tangent tangent_ = Tangent::plain;
+  Tangent tangent_ = Tangent::warped;
   bool projects_ = true;
 };
 
@@ -58,14 +58,14 @@ class PointwiseEvaluation : private PointStates<Scalar, Model> {
 
   PointwiseEvaluation() = default;
   template <class Law>
-  COROTET_COLD explicit PointwiseEvaluation(const Law& law, Tangent tangent = Tangent::plain)
+  COROTET_COLD explicit PointwiseEvaluation(const Law& law, Tangent tangent = Tangent::warped)
       : States(law.batches().size(), points),
         extremes((law.batches().size() + at(Law::batch_grain) - 1) / at(Law::batch_grain)),
         twist(tangent),
         force_(at(law.element_count()) * nodes),
         block_(at(law.element_count()) * pairs) {}
 
-  [[nodiscard]] DeformationExtremes worst() const {
+  [[nodiscard]] DeformationExtremes summary() const {
     DeformationExtremes all;
     for (const DeformationExtremes& part : extremes) all.merge(part);
     return all;
@@ -138,7 +138,7 @@ class BlockSum {
   }
 
  private:
-  using Q = Quad<Scalar>;
+  using Q = Vec4<Scalar>;
 
   std::array<Q, 3> straight_{Q(Scalar(0)), Q(Scalar(0)), Q(Scalar(0))};
   std::array<Q, 3> mirrored_{Q(Scalar(0)), Q(Scalar(0)), Q(Scalar(0))};

@@ -31,7 +31,7 @@ template <std::floating_point Scalar, ReferenceElement Element>
       }
       batch.point[q].inverse_jacobian.set_lane(l, to_space.inverse().template cast<Scalar>());
       batch.point[q].volume.set(l, static_cast<Scalar>(weight * to_space.determinant()));
-      batch.point[q].root_stiffness.set(l, 0);
+      batch.point[q].sqrt_mu_volume.set(l, 0);
     }
   }
   return batches;

@@ -20,20 +20,20 @@ namespace corotet::inline v0_1 {
 enum class Tangent : std::uint8_t {
   /// The warped stiffness R K_e R^T (Müller & Gross 2004): semi-definite, keeps the spin of a free body. One solve a
   /// step keeps vibrating in a body that is held stretched to about three times its length.
-  plain,
+  warped,
   /// Adds to each twist mode what its stiffness exceeds mu/2 by, or less in steps that are longer than sound takes
   /// through the body's thickness: nothing in ordinary scenes, and rest for a body that is held stretched or hangs.
-  stretch_stable,
+  stabilized,
   /// Adds all of each twist mode: the Hessian of the energy, with which Newton's iteration converges quadratically.
   /// Where that makes a step's matrix indefinite, the step goes on with the modes' positive parts alone, each point's
   /// part of the Hessian projected to semi-definite (Teran et al. 2005; on demand: Longva et al. 2023, "Pitfalls of
   /// projection"). One solve a step of it damps spin.
-  exact
+  consistent
 };
 
 /// As in a scene file.
 [[nodiscard]] constexpr std::string_view name_of(Tangent tangent) {
-  return tangent == Tangent::plain ? "plain" : tangent == Tangent::exact ? "exact" : "stretch_stable";
+  return tangent == Tangent::warped ? "plain" : tangent == Tangent::consistent ? "exact" : "stretch_stable";
 }
 
 /// The twist modes of one state of a body, as the tangent wants them: docs/theory.md, equations 7 and 8. They are what
@@ -52,27 +52,28 @@ class TwistModes {
   /// Memory for a body. Plain: none.
   TwistModes(Tangent tangent, std::size_t batches, std::size_t points)
       : tangent_(tangent),
-        projects_(tangent == Tangent::stretch_stable),
-        batches_(tangent == Tangent::plain ? 0 : batches),
+        projects_(tangent == Tangent::stabilized),
+        batches_(tangent == Tangent::warped ? 0 : batches),
         active_(batches_ * points, 0),
         value_(batches_ * points * at(lane_count<Scalar>)) {}
 
   [[nodiscard]] Tangent tangent() const { return tangent_; }
   /// Whether modes of negative stiffness are left out. Exact: as set here, from the next evaluation on.
   [[nodiscard]] bool projects() const { return projects_; }
-  void project(bool on) { projects_ = on || tangent_ == Tangent::stretch_stable; }
+  void project(bool on) { projects_ = on || tangent_ == Tangent::stabilized; }
 
-  /// What stretch_stable leaves of each mode at most, over mu, 0 ... 1 (1/2): from the next evaluation on.
-  void leave(double most) { most_left_ = static_cast<Scalar>(most); }
-  [[nodiscard]] Scalar left() const { return most_left_; }
+  /// The stiffness that `stabilized` leaves out of each mode at most, over mu, 0 ... 1 (1/2): from the next evaluation
+  /// on.
+  void set_cap(double cap) { cap_ = static_cast<Scalar>(cap); }
+  [[nodiscard]] Scalar cap() const { return cap_; }
 
-  [[nodiscard]] COROTET_ALWAYS_INLINE bool wanted() const { return tangent_ != Tangent::plain; }
+  [[nodiscard]] COROTET_ALWAYS_INLINE bool wanted() const { return tangent_ != Tangent::warped; }
 
   /// Sets the modes of a batch at quadrature point q, from the strain sym(R^T F) - I, the pressure over mu, and R.
   COROTET_ALWAYS_INLINE void set(std::size_t q, Index batch, const SymmetricLanes& strain,
                                  const Lanes<Scalar>& pressure, const Mat3Lanes<Scalar>& r) {
     const std::size_t place = q * batches_ + at(batch);
-    active_[place] = tangent_ == Tangent::exact || !is_quiet(strain, pressure) ? 1 : 0;
+    active_[place] = tangent_ == Tangent::consistent || !all_below_cap(strain, pressure) ? 1 : 0;
     if (active_[place] != 0) compute(place, strain, pressure, r);
   }
 
@@ -100,10 +101,10 @@ class TwistModes {
  private:
   using L = Lanes<Scalar>;
 
-  /// True if no twist mode of the batch exceeds what is left of it: where s_i + s_j <= (4 - 2 p) / (2 - left), so where
+  /// True if no twist mode of the batch exceeds what is left of it: where s_i + s_j <= (4 - 2 p) / (2 - cap), so where
   /// the strain, shifted, has no negative eigenvalue, so where none of its three invariants is negative.
-  [[nodiscard]] COROTET_ALWAYS_INLINE bool is_quiet(const SymmetricLanes& e, const L& pressure) const {
-    const L shift = L(2 / (2 - most_left_)) * (L(2) - pressure) - L(2) - (e[0] + e[1] + e[2]);
+  [[nodiscard]] COROTET_ALWAYS_INLINE bool all_below_cap(const SymmetricLanes& e, const L& pressure) const {
+    const L shift = L(2 / (2 - cap_)) * (L(2) - pressure) - L(2) - (e[0] + e[1] + e[2]);
     const L x = e[0] + shift, y = e[1] + shift, z = e[2] + shift;
     const L minor_x = y * z - e[3] * e[3], minor_y = z * x - e[4] * e[4], minor_z = x * y - e[5] * e[5];
     const L determinant = x * minor_x - e[5] * (e[5] * z - e[3] * e[4]) + e[4] * (e[5] * e[3] - y * e[4]);
@@ -127,7 +128,7 @@ class TwistModes {
     const L least =
         L(Scalar(1e-3)) * (L(1) + lane_abs(trace + L(3)));  // of s_i + s_j, which an inversion may make zero
     // Exact: all of each mode, or what is positive of it; else what exceeds the threshold.
-    const L threshold = L(tangent_ == Tangent::exact ? Scalar(0) : most_left_);
+    const L threshold = L(tangent_ == Tangent::consistent ? Scalar(0) : cap_);
     const L lowest = L(projects_ ? Scalar(0) : std::numeric_limits<Scalar>::lowest());
     SymmetricLanes h;
     h.fill(L(0));
@@ -149,8 +150,8 @@ class TwistModes {
     }
   }
 
-  Tangent tangent_ = Tangent::plain;
-  Scalar most_left_ = Scalar(0.5);
+  Tangent tangent_ = Tangent::warped;
+  Scalar cap_ = Scalar(0.5);
   bool projects_ = false;
   std::size_t batches_ = 0;
   detail::Buffer<std::uint8_t> active_;          // [point][batch]

@@ -16,20 +16,20 @@ inline namespace COROTET_ISA {
 /// N numbers (a power of two) with the arithmetic of one. Loads and stores may be unaligned. Code that keeps fewer than
 /// N numbers that matter in it reads N all the same, and lets those behind them reach nothing.
 template <std::floating_point Scalar, int N>
-class Register {
+class SimdVec {
  public:
-  Register() = default;
+  SimdVec() = default;
   /// The same number N times.
-  COROTET_ALWAYS_INLINE Register(Scalar value) : pack_(value) {}  // NOLINT(google-explicit-constructor): as a scalar
+  COROTET_ALWAYS_INLINE SimdVec(Scalar value) : pack_(value) {}  // NOLINT(google-explicit-constructor): as a scalar
 
-  [[nodiscard]] COROTET_ALWAYS_INLINE static Register load(const Scalar* p) {
-    Register r;
+  [[nodiscard]] COROTET_ALWAYS_INLINE static SimdVec load(const Scalar* p) {
+    SimdVec r;
     std::memcpy(&r.pack_, p, sizeof(r.pack_));
     return r;
   }
   /// `count` numbers, and zeros: reads nothing behind them.
   template <int count>
-  [[nodiscard]] COROTET_ALWAYS_INLINE static Register load_part(const Scalar* p) {
+  [[nodiscard]] COROTET_ALWAYS_INLINE static SimdVec load_part(const Scalar* p) {
     std::array<Scalar, std::size_t{N}> all{};
     for (std::size_t i = 0; i < std::size_t{count}; ++i) all[i] = p[i];
     return load(all.data());
@@ -42,11 +42,11 @@ class Register {
   }
 
   /// The first three of four, and zero.
-  [[nodiscard]] COROTET_ALWAYS_INLINE Register first_three() const
+  [[nodiscard]] COROTET_ALWAYS_INLINE SimdVec first_three() const
     requires(N == 4)
   {
     if constexpr (detail::Whole<Pack>) {
-      return Register(Pack(detail::first_three(pack_.value)));
+      return SimdVec(Pack(detail::first_three(pack_.value)));
     } else {
       std::array<Scalar, 4> numbers;
       store(numbers.data());
@@ -55,28 +55,27 @@ class Register {
     }
   }
 
-  COROTET_ALWAYS_INLINE Register& operator+=(const Register& b) { return *this = *this + b; }
-  COROTET_ALWAYS_INLINE Register& operator-=(const Register& b) { return *this = *this - b; }
+  COROTET_ALWAYS_INLINE SimdVec& operator+=(const SimdVec& b) { return *this = *this + b; }
+  COROTET_ALWAYS_INLINE SimdVec& operator-=(const SimdVec& b) { return *this = *this - b; }
 
-  friend COROTET_ALWAYS_INLINE Register operator+(const Register& a, const Register& b) {
-    return Register(detail::map<Pack>([](const auto& x, const auto& y) { return x + y; }, a.pack_, b.pack_));
+  friend COROTET_ALWAYS_INLINE SimdVec operator+(const SimdVec& a, const SimdVec& b) {
+    return SimdVec(detail::map<Pack>([](const auto& x, const auto& y) { return x + y; }, a.pack_, b.pack_));
   }
-  friend COROTET_ALWAYS_INLINE Register operator-(const Register& a, const Register& b) {
-    return Register(detail::map<Pack>([](const auto& x, const auto& y) { return x - y; }, a.pack_, b.pack_));
+  friend COROTET_ALWAYS_INLINE SimdVec operator-(const SimdVec& a, const SimdVec& b) {
+    return SimdVec(detail::map<Pack>([](const auto& x, const auto& y) { return x - y; }, a.pack_, b.pack_));
   }
-  friend COROTET_ALWAYS_INLINE Register operator*(const Register& a, const Register& b) {
-    return Register(detail::map<Pack>([](const auto& x, const auto& y) { return x * y; }, a.pack_, b.pack_));
+  friend COROTET_ALWAYS_INLINE SimdVec operator*(const SimdVec& a, const SimdVec& b) {
+    return SimdVec(detail::map<Pack>([](const auto& x, const auto& y) { return x * y; }, a.pack_, b.pack_));
   }
 
   /// The transpose of the 3x3 matrix with columns a, b, c, by columns with zeros behind them.
-  friend COROTET_ALWAYS_INLINE std::array<Register, 3> transposed(const Register& a, const Register& b,
-                                                                  const Register& c)
+  friend COROTET_ALWAYS_INLINE std::array<SimdVec, 3> transposed(const SimdVec& a, const SimdVec& b, const SimdVec& c)
     requires(N == 4)
   {
     if constexpr (detail::Whole<Pack>) {
       const auto rows = detail::interleave4(a.pack_.value, b.pack_.value, c.pack_.value, Pack(Scalar(0)).value,
                                             std::make_integer_sequence<int, N>());
-      return {Register(Pack(rows[0])), Register(Pack(rows[1])), Register(Pack(rows[2]))};
+      return {SimdVec(Pack(rows[0])), SimdVec(Pack(rows[1])), SimdVec(Pack(rows[2]))};
     } else {
       std::array<std::array<Scalar, 4>, 3> m;
       a.store(m[0].data());
@@ -92,23 +91,23 @@ class Register {
 
  private:
   using Pack = detail::Pack<Scalar, N>;
-  COROTET_ALWAYS_INLINE explicit Register(const Pack& pack) : pack_(pack) {}
+  COROTET_ALWAYS_INLINE explicit SimdVec(const Pack& pack) : pack_(pack) {}
 
   Pack pack_;
 };
 
 /// A 3-vector and one number more.
 template <std::floating_point Scalar>
-using Quad = Register<Scalar, 4>;
+using Vec4 = SimdVec<Scalar, 4>;
 
 }  // namespace COROTET_ISA
 
 /// A field in which each 3-vector has a zero behind it, so that it is loaded and stored as a Quad.
 template <std::floating_point Scalar>
 struct alignas(4 * sizeof(Scalar)) PaddedVector : std::array<Scalar, 4> {
-  [[nodiscard]] COROTET_ALWAYS_INLINE Quad<Scalar> quad() const { return Quad<Scalar>::load(this->data()); }
+  [[nodiscard]] COROTET_ALWAYS_INLINE Vec4<Scalar> vec4() const { return Vec4<Scalar>::load(this->data()); }
   /// The fourth number of `q` must be zero.
-  COROTET_ALWAYS_INLINE void set(const Quad<Scalar>& q) { q.store(this->data()); }
+  COROTET_ALWAYS_INLINE void set(const Vec4<Scalar>& q) { q.store(this->data()); }
   COROTET_ALWAYS_INLINE void set(const Vec3<Scalar>& v) {
     static_cast<std::array<Scalar, 4>&>(*this) = {v[0], v[1], v[2], 0};
   }

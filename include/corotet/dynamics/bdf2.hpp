@@ -13,16 +13,16 @@
 #include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/integrator.hpp>
-#include <corotet/dynamics/newton_options.hpp>
 #include <corotet/dynamics/pins.hpp>
 #include <corotet/dynamics/soft_body.hpp>
 #include <corotet/dynamics/step_context.hpp>
+#include <corotet/dynamics/step_options.hpp>
 #include <corotet/dynamics/step_phase.hpp>
 #include <corotet/dynamics/step_report.hpp>
 #include <corotet/dynamics/time_scheme.hpp>
 #include <corotet/dynamics/time_step.hpp>
 #include <corotet/solve/auto_solver.hpp>
-#include <corotet/solve/range_sum.hpp>
+#include <corotet/solve/deterministic_reduction.hpp>
 #include <corotet/solve/solver.hpp>
 #include <limits>
 
@@ -121,7 +121,7 @@ class Bdf2Scheme {
   /// g = 1 - stiffness / tangent.
   [[nodiscard]] Scalar extrapolate(const Body& body, Scalar h, Scalar lead, ExecutorRef executor) {
     const auto sums = sums_(executor, [&](Index begin, Index end) {
-      RangeSums<9>::Sums part{};
+      DeterministicReduction<9>::Sums part{};
       for (Index i = begin; i < end; ++i) {
         const Vec3<Scalar>&x = body.displacements()[at(i)], &v = body.velocities()[at(i)];
         const Vec3<Scalar> moved = x - last_position_[at(i)];
@@ -151,7 +151,7 @@ class Bdf2Scheme {
     return h * static_cast<Scalar>(before > 0 ? std::clamp(2 - 2 * change / before, 0.0, 1.0) : 0.0);
   }
 
-  RangeSums<9> sums_;
+  DeterministicReduction<9> sums_;
   Field<Scalar> last_position_, last_velocity_;  // before the last step
   Field<Scalar> x_history_, v_history_;
   detail::Buffer<PinnedAxes> pinned_;          // in the last step
@@ -176,12 +176,12 @@ class Bdf2 {
   using Implementation = Integrator<Body, Bdf2Scheme<Body>, Solver>;
 
   /// Symbolic work and memory for `body` and its copies.
-  explicit Bdf2(const Body& body, const Solver& solver = Solver(), const NewtonOptions& newton = {});
-  Bdf2(const Body& body, const typename Solver::Options& options, const NewtonOptions& newton = {})
+  explicit Bdf2(const Body& body, const Solver& solver = Solver(), const StepOptions& newton = {});
+  Bdf2(const Body& body, const typename Solver::Options& options, const StepOptions& newton = {})
       : Bdf2(body, Solver(options), newton) {}
 
   [[nodiscard]] const Solver& solver() const { return implementation_.solver(); }
-  [[nodiscard]] const NewtonOptions& newton() const { return implementation_.newton(); }
+  [[nodiscard]] const StepOptions& newton() const { return implementation_.newton(); }
 
   /// Advances `body` by `h` seconds: see ImplicitEuler::step.
   StepReport step(Body& body, Scalar h, ExecutorRef executor = {}, PhaseObserver observer = {}) {
@@ -213,7 +213,7 @@ Bdf2(const Body&) -> Bdf2<Body>;
 // Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
 template <class Body, class Solver>
   requires LinearSolver<Solver, typename Body::scalar_type>
-Bdf2<Body, Solver>::Bdf2(const Body& body, const Solver& solver, const NewtonOptions& newton)
+Bdf2<Body, Solver>::Bdf2(const Body& body, const Solver& solver, const StepOptions& newton)
     : implementation_(body, solver, newton) {}
 
 template <class Body, class Solver>

@@ -13,7 +13,7 @@
 #include <corotet/core/revision.hpp>
 #include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
-#include <corotet/dynamics/crossing_time.hpp>
+#include <corotet/dynamics/wave_transit_time.hpp>
 #include <corotet/material/corotated.hpp>
 #include <corotet/material/material.hpp>
 #include <corotet/mesh/tet_mesh.hpp>
@@ -27,9 +27,9 @@ namespace corotet::inline v0_1 {
 struct BodyOptions {
   MassModel mass = MassModel::lumped;
   RayleighDamping damping = {};
-  Dilatation dilatation = Dilatation::per_element;
+  VolumetricStrain volumetric_strain = VolumetricStrain::pointwise;
   /// Vertices that no element couples but a StepTerm shall: a spring between two points of the body, self-contact.
-  VertexGroups couplings = {};
+  Stencils couplings = {};
 };
 
 /// What copies of a body share: mesh, elastic law, mass and the pattern of the matrix. It is immutable.
@@ -46,7 +46,7 @@ class BodyModel {
 
   /// Errors: unsupported for a mean dilatation with another model than the corotated one; invalid_argument for a
   /// material (see Materials::validate), negative damping, or couplings that name no
-  /// vertex of the mesh or more than VertexGroups::most_vertices in a group.
+  /// vertex of the mesh or more than Stencils::max_vertices in a group.
   [[nodiscard]] COROTET_COLD static Result<Pointer> create(Mesh mesh, const Materials& materials,
                                                            const BodyOptions& options = {});
 
@@ -60,8 +60,8 @@ class BodyModel {
   [[nodiscard]] const BodyOptions& options() const { return options_; }
   [[nodiscard]] const std::shared_ptr<const BlockPattern>& pattern() const { return pattern_; }
 
-  /// How long sound takes through the body where it is thin, s: see thickness.
-  [[nodiscard]] double crossing_time() const { return crossing_time_; }
+  /// How long sound takes through the body where it is thin, s: see hydraulic_diameter.
+  [[nodiscard]] double wave_transit_time() const { return wave_transit_time_; }
 
   /// Memory of the mesh, the law, the pattern and the mass.
   [[nodiscard]] COROTET_COLD std::size_t bytes() const {
@@ -77,7 +77,7 @@ class BodyModel {
  private:
   COROTET_COLD BodyModel(Mesh mesh, const Materials& materials, const BodyOptions& options);
   COROTET_COLD void set_fingerprint();
-  [[nodiscard]] COROTET_COLD static Result<void> check_couplings(const VertexGroups& couplings, Index vertices);
+  [[nodiscard]] COROTET_COLD static Result<void> check_couplings(const Stencils& couplings, Index vertices);
 
   std::shared_ptr<const Mesh> mesh_;
   Materials materials_;
@@ -85,7 +85,7 @@ class BodyModel {
   Law law_;
   std::shared_ptr<const BlockPattern> pattern_;
   Mass<Scalar> mass_;
-  double thickness_, crossing_time_;
+  double hydraulic_diameter_, wave_transit_time_;
   std::uint64_t fingerprint_ = 0;
   Revision revision_ = new_revision();
 };
@@ -96,12 +96,12 @@ BodyModel<Scalar, Element, LawType>::BodyModel(Mesh mesh, const Materials& mater
     : mesh_(std::make_shared<const Mesh>(std::move(mesh))),
       materials_(materials),
       options_(options),
-      law_(*mesh_, materials, options.dilatation),
+      law_(*mesh_, materials, options.volumetric_strain),
       pattern_(std::make_shared<const BlockPattern>(
-          BlockPattern::of(mesh_->elements(), mesh_->vertex_count(), law_.vertex_groups(), options.couplings))),
+          BlockPattern::of(mesh_->elements(), mesh_->vertex_count(), law_.stencils(), options.couplings))),
       mass_(*mesh_, materials, options.mass, *pattern_),
-      thickness_(thickness(*mesh_)),
-      crossing_time_(corotet::crossing_time(thickness_, materials, mesh_->element_count())) {
+      hydraulic_diameter_(hydraulic_diameter(*mesh_)),
+      wave_transit_time_(corotet::wave_transit_time(hydraulic_diameter_, materials, mesh_->element_count())) {
   set_fingerprint();
 }
 
@@ -117,7 +117,7 @@ void BodyModel<Scalar, Element, LawType>::set_fingerprint() {
     for (const double each : {m.young, m.poisson, m.density}) print.add(each);
   }
   print.add(static_cast<int>(options_.mass));
-  print.add(static_cast<int>(options_.dilatation));
+  print.add(static_cast<int>(options_.volumetric_strain));
   print.add(options_.damping.mass);
   print.add(options_.damping.stiffness);
   for (const Index v : options_.couplings.vertex) print.add(v);
@@ -132,22 +132,22 @@ Result<std::shared_ptr<const BodyModel<Scalar, Element, LawType>>> BodyModel<Sca
     if (!std::isfinite(damping) || damping < 0)
       return detail::error(ErrorCode::invalid_argument, {"damping"}, {"must be >= 0 and finite"});
   if (Result<void> s = check_couplings(options.couplings, mesh.vertex_count()); !s) return s.error();
-  if (!Law::has_mean_dilatation && options.dilatation != Dilatation::per_element)
+  if (!Law::has_mean_dilatation && options.volumetric_strain != VolumetricStrain::pointwise)
     return detail::error(ErrorCode::unsupported, {"dilatation"},
                          {"a mean dilatation is for the corotated model, this body's is ", Law::Model::name});
   return Pointer(new BodyModel(std::move(mesh), materials, options));
 }
 
 template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
-Result<void> BodyModel<Scalar, Element, LawType>::check_couplings(const VertexGroups& couplings, Index vertices) {
+Result<void> BodyModel<Scalar, Element, LawType>::check_couplings(const Stencils& couplings, Index vertices) {
   for (const Index v : couplings.vertex)
     if (v < 0 || v >= vertices)
       return detail::error(ErrorCode::index_out_of_range, {"couplings"}, {"there is no vertex ", v});
   for (Index g = 0; g < couplings.count(); ++g) {
     const Index begin = couplings.start[at(g)], end = couplings.start[at(g) + 1];
-    if (begin < 0 || end < begin || end > size_of(couplings.vertex) || end - begin > VertexGroups::most_vertices)
+    if (begin < 0 || end < begin || end > size_of(couplings.vertex) || end - begin > Stencils::max_vertices)
       return detail::error(ErrorCode::invalid_argument, {"couplings: group ", g},
-                           {"must have 0 ... ", VertexGroups::most_vertices, " vertices of the list"});
+                           {"must have 0 ... ", Stencils::max_vertices, " vertices of the list"});
   }
   return {};
 }
@@ -161,7 +161,7 @@ Result<std::shared_ptr<const BodyModel<Scalar, Element, LawType>>> BodyModel<Sca
   model->materials_ = materials;
   model->law_.set_materials(materials);
   model->mass_ = Mass<Scalar>(*mesh_, materials, options_.mass, *pattern_);
-  model->crossing_time_ = corotet::crossing_time(thickness_, materials, mesh_->element_count());
+  model->wave_transit_time_ = corotet::wave_transit_time(hydraulic_diameter_, materials, mesh_->element_count());
   model->set_fingerprint();
   model->revision_ = new_revision();
   return owner;

@@ -11,7 +11,7 @@
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/linearized_step.hpp>
 #include <corotet/dynamics/time_step.hpp>
-#include <corotet/solve/range_sum.hpp>
+#include <corotet/solve/deterministic_reduction.hpp>
 #include <limits>
 
 namespace corotet::inline v0_1 {
@@ -44,7 +44,7 @@ class EnergyBound {
     if (revision_ == body.revision())
       elastic_ = elastic_after_;
     else
-      elastic_ = evaluated ? equation.worst().energy : elastic(body, body.displacements(), executor);
+      elastic_ = evaluated ? equation.summary().energy : elastic(body, body.displacements(), executor);
   }
 
   /// After the solve, from `velocity_before` and the body's displacement to these. Kinetic energy is as seen from the
@@ -57,7 +57,7 @@ class EnergyBound {
     };
     const auto v0 = in_double(velocity_before), v1 = in_double(velocity);
     const auto sums = sums_(executor, [&](Index begin, Index end) {
-      RangeSums<5>::Sums part{};
+      DeterministicReduction<5>::Sums part{};
       for (Index i = begin; i < end; ++i) {
         const auto of = [&](auto&& x) { return body.mass().row_product(*body.pattern(), i, x); };
         const Vec3<double> moved = (displacement[at(i)] - body.displacements()[at(i)]).template cast<double>();
@@ -77,16 +77,16 @@ class EnergyBound {
 
   /// Once the body has moved and been evaluated: whether it has gained more than rounding explains. The error of steps
   /// of second order has either sign: what they gain is summed until steps lose it again, or a step is of
-  /// backward Euler, and may be `most_gain` of the elastic energy before and after and the kinetic one about the mean
+  /// backward Euler, and may be `max_gain` of the elastic energy before and after and the kinetic one about the mean
   /// motion. The fields are those before.
   [[nodiscard]] bool exceeds(const Body& body, const TimeStep<Scalar>& step, const Field<Scalar>& displacement_before,
                              const Field<Scalar>& velocity_before, Equation& equation, ExecutorRef executor) {
-    const DeformationExtremes worst = equation.worst();
+    const DeformationExtremes worst = equation.summary();
     elastic_after_ = worst.energy;
     revision_ = body.revision();
     const bool second_order = !step.is_first_order();
     if (!second_order) excess_ = 0;
-    if (worst.largest_stress2 < least_stress * least_stress) return false;
+    if (worst.max_stress2 < min_stress * min_stress) return false;
     double gained = gained_ + elastic_after_ - elastic_;
     const auto& pins = body.pins();
     for (std::size_t k = 0; k < pins.vertices().size(); ++k) {  // the work of what leads them
@@ -103,7 +103,7 @@ class EnergyBound {
     }
     const double stored = elastic_after_ + elastic_;
     if (second_order) gained = excess_ = (std::max)(0.0, excess_ + gained);
-    if (!(gained > (rounding + (second_order ? most_gain : 0)) * (stored + kinetic_))) return false;
+    if (!(gained > (rounding + (second_order ? max_gain : 0)) * (stored + kinetic_))) return false;
     return gained > noise(stored, equation.position_rounding(body, step.gamma, executor));
   }
 
@@ -124,13 +124,13 @@ class EnergyBound {
 
  private:
   static constexpr double rounding = 16 * static_cast<double>(std::numeric_limits<Scalar>::epsilon());
-  static constexpr double most_gain = 1e-4;
+  static constexpr double max_gain = 1e-4;
   /// The largest stress over mu from which on a gain counts. A stiff body that turns about a pinned axle stretches by
   /// (h w)^2 / 2 in each step, and is drawn back in the next: to solve that again would only damp its rotation.
-  static constexpr double least_stress = 0.1;
+  static constexpr double min_stress = 0.1;
 
   detail::Buffer<double> scratch_;
-  RangeSums<5> sums_;
+  DeterministicReduction<5> sums_;
   double vertices_;
   double elastic_ = 0, elastic_after_ = 0, terms_ = 0, gained_ = 0, kinetic_ = 0, excess_ = 0;  // J
   Revision revision_;  // of the body that has elastic_after_

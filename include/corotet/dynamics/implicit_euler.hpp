@@ -7,9 +7,9 @@
 #include <corotet/core/memory_use.hpp>
 #include <corotet/core/state_archive.hpp>
 #include <corotet/dynamics/integrator.hpp>
-#include <corotet/dynamics/newton_options.hpp>
 #include <corotet/dynamics/soft_body.hpp>
 #include <corotet/dynamics/step_context.hpp>
+#include <corotet/dynamics/step_options.hpp>
 #include <corotet/dynamics/step_phase.hpp>
 #include <corotet/dynamics/step_report.hpp>
 #include <corotet/dynamics/time_scheme.hpp>
@@ -20,13 +20,13 @@ namespace corotet::inline v0_1 {
 
 /// The integrator of first order, backward Euler: stable at any step, it damps all motion.
 ///
-/// Use it by default, above all for games. Use Bdf2 where motion must not be damped, AdaptiveStep around either where
-/// steps may fail, and `solve_static` where only the rest configuration matters.
+/// Use it by default, above all for games. Use Bdf2 where motion must not be damped, SubsteppingIntegrator around
+/// either where steps may fail, and `solve_static` where only the rest configuration matters.
 /// @snippet steps.cpp euler
 /// It solves v' = v + h M^-1 (f_ext + f_el(x') - D v'), x' = x + h v'. With one solve a step, the default, that is
 /// (M + h D + h^2 K) dv = h (f_ext + f_el(x) - D v) - h^2 K v, then v += dv, x += h v. K is evaluated at the start of
 /// the step: the warped stiffness K' (Müller & Gross 2004, section 3.4; Baraff & Witkin 1998, eq. 6) and what
-/// NewtonOptions::tangent adds to it. D = a M + b K'. A body without pins is solved in a frame that turns with it.
+/// StepOptions::tangent adds to it. D = a M + b K'. A body without pins is solved in a frame that turns with it.
 /// Pieces of the body that do not touch move as each does alone.
 ///
 /// The integrator owns all that a step needs besides the body: make it once for a body, then `step` allocates nothing.
@@ -38,12 +38,12 @@ class ImplicitEuler {
   using Implementation = Integrator<Body, BackwardEulerScheme<Body>, Solver>;
 
   /// Symbolic work and memory for `body` and its copies.
-  explicit ImplicitEuler(const Body& body, const Solver& solver = Solver(), const NewtonOptions& newton = {});
-  ImplicitEuler(const Body& body, const typename Solver::Options& options, const NewtonOptions& newton = {})
+  explicit ImplicitEuler(const Body& body, const Solver& solver = Solver(), const StepOptions& newton = {});
+  ImplicitEuler(const Body& body, const typename Solver::Options& options, const StepOptions& newton = {})
       : ImplicitEuler(body, Solver(options), newton) {}
 
   [[nodiscard]] const Solver& solver() const { return implementation_.solver(); }
-  [[nodiscard]] const NewtonOptions& newton() const { return implementation_.newton(); }
+  [[nodiscard]] const StepOptions& newton() const { return implementation_.newton(); }
 
   /// Advances `body` by `h` seconds. Whatever happens is in the report; a refused step leaves the body untouched.
   /// `observer` is told of each phase as it begins.
@@ -77,7 +77,7 @@ ImplicitEuler(const Body&) -> ImplicitEuler<Body>;
 // Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
 template <class Body, class Solver>
   requires LinearSolver<Solver, typename Body::scalar_type>
-ImplicitEuler<Body, Solver>::ImplicitEuler(const Body& body, const Solver& solver, const NewtonOptions& newton)
+ImplicitEuler<Body, Solver>::ImplicitEuler(const Body& body, const Solver& solver, const StepOptions& newton)
     : implementation_(body, solver, newton) {}
 
 template <class Body, class Solver>

@@ -9,9 +9,9 @@
 #include <corotet/core/memory_use.hpp>
 #include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
-#include <corotet/dynamics/newton_options.hpp>
 #include <corotet/dynamics/pieces.hpp>
 #include <corotet/dynamics/step_context.hpp>
+#include <corotet/dynamics/step_options.hpp>
 #include <corotet/dynamics/step_report.hpp>
 #include <corotet/dynamics/step_solver.hpp>
 #include <corotet/dynamics/time_scheme.hpp>
@@ -27,7 +27,7 @@ class PieceIntegrator {
  public:
   using Scalar = typename Body::scalar_type;
 
-  COROTET_COLD PieceIntegrator(const Body& body, const Solver& solver, const NewtonOptions& newton)
+  COROTET_COLD PieceIntegrator(const Body& body, const Solver& solver, const StepOptions& newton)
       : solver_(body, solver, newton), scheme_(body) {}
 
   [[nodiscard]] const Solver& solver() const { return solver_.solver(); }
@@ -75,14 +75,14 @@ class Integrator {
   using Piece = PieceIntegrator<Body, Scheme, Solver>;
 
   /// Symbolic work and memory for `body` and its copies.
-  COROTET_COLD Integrator(const Body& body, const Solver& solver, const NewtonOptions& newton)
+  COROTET_COLD Integrator(const Body& body, const Solver& solver, const StepOptions& newton)
       : options_(newton), pieces_(body), integrators_(at((std::max)(pieces_.count(), Index{1}))) {
     if (pieces_.count() == 0) integrators_.emplace_back(body, solver, newton);
     for (Index p = 0; p < pieces_.count(); ++p) integrators_.emplace_back(pieces_.body(p), solver, newton);
     reports_ = detail::Buffer<StepReport>(at(pieces_.count()));
   }
 
-  [[nodiscard]] const NewtonOptions& newton() const { return options_; }
+  [[nodiscard]] const StepOptions& newton() const { return options_; }
   /// Of the first piece.
   [[nodiscard]] const Solver& solver() const { return integrators_.front().solver(); }
   /// 1, or the number of pieces of the body that do not touch.
@@ -105,14 +105,14 @@ class Integrator {
   template <class StepPiece>
   StepReport step_pieces(Body& body, const StepContext<Scalar>& context, const StepPiece& step_piece) {
     if (pieces_.count() == 0) return step_piece(0, integrators_.front(), body, context);
-    const StepReport refusal = check_step(body, Scalar(1), options_);  // in the numbers of the whole body
-    if (!refusal.accepted()) return refusal;
+    const StepReport error = check_step(body, Scalar(1), options_);  // in the numbers of the whole body
+    if (!error.accepted()) return error;
     pieces_.take_from(body);
     const auto step_one = [&](Index p, StepContext<Scalar> inner) {
       inner.piece = pieces_.vertices(p);
       reports_[at(p)] = step_piece(p, integrators_[at(p)], pieces_.body(p), inner);
     };
-    const bool at_once = !context.observer && context.terms.empty() && pieces_.count() >= least_at_once;
+    const bool at_once = !context.observer && context.terms.empty() && pieces_.count() >= min_at_once;
     if (at_once)
       for_ranges(context.executor, pieces_.count(), 1, [&](Index p, Index) { step_one(p, {}); });
     else
@@ -152,7 +152,7 @@ class Integrator {
   }
 
  private:
-  static constexpr Index least_at_once = 4;  // fewer: threads share the work within each
+  static constexpr Index min_at_once = 4;  // fewer: threads share the work within each
 
   [[nodiscard]] StepReport join(Body& body) {
     StepReport all = reports_.front();
@@ -169,7 +169,7 @@ class Integrator {
     return all;
   }
 
-  NewtonOptions options_;
+  StepOptions options_;
   Pieces<Body> pieces_;
   detail::FixedArray<Piece> integrators_;
   detail::Buffer<StepReport> reports_;  // of pieces

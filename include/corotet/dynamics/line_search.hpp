@@ -10,9 +10,9 @@ namespace corotet::inline v0_1 {
 /// its derivative there; `noise` >= 0: what rounding may add to it. A change that is not a number is too large.
 template <std::invocable<double> Change>
 [[nodiscard]] double backtrack(double slope, double noise, Change&& change) {
-  constexpr int most_halvings = 20;
+  constexpr int max_halvings = 20;
   double fraction = 1;
-  for (int halving = 0; halving <= most_halvings; ++halving, fraction /= 2)
+  for (int halving = 0; halving <= max_halvings; ++halving, fraction /= 2)
     if (change(fraction) <= 1e-4 * fraction * slope + noise) return fraction;
   return 0;
 }

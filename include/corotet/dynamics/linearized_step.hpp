@@ -13,10 +13,10 @@
 #include <corotet/core/revision.hpp>
 #include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
-#include <corotet/dynamics/system_era.hpp>
+#include <corotet/dynamics/lag_key.hpp>
 #include <corotet/dynamics/term_sum.hpp>
 #include <corotet/dynamics/time_step.hpp>
-#include <corotet/solve/range_sum.hpp>
+#include <corotet/solve/deterministic_reduction.hpp>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -48,8 +48,8 @@ class LinearizedStep {
 
   [[nodiscard]] const BlockMatrix<Scalar>& matrix() const { return matrix_; }
   [[nodiscard]] const Field<Scalar>& right_side() const { return right_side_; }
-  [[nodiscard]] std::uint64_t era() const { return era_number_; }
-  [[nodiscard]] DeformationExtremes worst() const { return evaluation_.worst(); }
+  [[nodiscard]] std::uint64_t lag_key() const { return lag_key_number_; }
+  [[nodiscard]] DeformationExtremes summary() const { return evaluation_.summary(); }
   [[nodiscard]] TermSum<Scalar>& terms() { return terms_; }
   [[nodiscard]] const TermSum<Scalar>& terms() const { return terms_; }
 
@@ -62,9 +62,9 @@ class LinearizedStep {
 
   /// Sets the cap of the twist modes for steps with this gamma (s): docs/theory.md, equation 9.
   void prepare(const Body& body, Scalar gamma) {
-    const Scalar before = evaluation_.twist.left();
-    evaluation_.twist.leave((std::min)(0.5, body.crossing_time() / double(gamma)));
-    if (!detail::exactly_equal(evaluation_.twist.left(), before)) revision_ = {};
+    const Scalar before = evaluation_.twist.cap();
+    evaluation_.twist.set_cap((std::min)(0.5, body.wave_transit_time() / double(gamma)));
+    if (!detail::exactly_equal(evaluation_.twist.cap(), before)) revision_ = {};
   }
 
   /// A state of the body for its terms: see TermState.
@@ -114,8 +114,8 @@ class LinearizedStep {
              matrix_, executor);
     if (!first && viscosity > 0) matrix_.add(viscosity, *damping_, executor);
     if (evaluation_.twist.active_share() > 0) add_twist(body.law(), evaluation_, gamma * gamma, matrix_, executor);
-    era_number_ =
-        era_.of({double(mass), double(gamma * gamma + viscosity), body.material_revision(), body.pins().revision()});
+    lag_key_number_ = lag_key_.of(
+        {double(mass), double(gamma * gamma + viscosity), body.material_revision(), body.pins().revision()});
   }
 
   /// right_side = M v_history + gamma f - A v: of the equation for the change of v, where v_k = 0.
@@ -180,7 +180,7 @@ class LinearizedStep {
         sum += double(body.mass().row_sum(i)) * (more - (mass - 1) * before - mass * change) +
                terms_.impulse(i, step.gamma).template cast<double>();
       }
-      return RangeSums<3>::Sums{sum[0], sum[1], sum[2]};
+      return DeterministicReduction<3>::Sums{sum[0], sum[1], sum[2]};
     });
     const Vec3<double> momentum(lacking[0], lacking[1], lacking[2]);
     Vec3<double> translation = momentum / (mass * body.mass().total());
@@ -216,7 +216,7 @@ class LinearizedStep {
     return sums_(executor, [&](Index begin, Index end) { return Sums{range_dot(right_side_, d, begin, end), 0}; })[0];
   }
 
-  /// |right_side| in the norm of the inverse of the matrix's diagonal, which may be negative: Tangent::exact.
+  /// |right_side| in the norm of the inverse of the matrix's diagonal, which may be negative: Tangent::consistent.
   [[nodiscard]] double right_side_norm(ExecutorRef executor) {
     return std::sqrt(sums_(executor, [&](Index begin, Index end) {
       double sum = 0;
@@ -253,12 +253,12 @@ class LinearizedStep {
 
   /// For snapshots. What was evaluated is found again from the displacement.
   void visit_state(detail::StateArchive& archive, const Body& body) {
-    era_.visit_state(archive, body.material_revision(), body.pins().revision());
+    lag_key_.visit_state(archive, body.material_revision(), body.pins().revision());
     if (archive.reads()) revision_ = {};
   }
 
  private:
-  using Sums = RangeSums<2>::Sums;
+  using Sums = DeterministicReduction<2>::Sums;
 
   [[nodiscard]] Scalar mass_factor(Scalar gamma) const {
     return static_cast<Scalar>(1 + static_cast<double>(gamma) * terms_.damping().mass);
@@ -291,11 +291,11 @@ class LinearizedStep {
   std::optional<BlockMatrix<Scalar>> damping_;  // K' of D, where A alone does not do
   Field<Scalar> right_side_;
   TermSum<Scalar> terms_;
-  RangeSums<2> sums_;
-  RangeSums<3> momentum_;
+  DeterministicReduction<2> sums_;
+  DeterministicReduction<3> momentum_;
   Revision revision_;  // of the body's state in evaluation_, if it is one
-  SystemEra era_;
-  std::uint64_t era_number_ = 0;
+  LagKey lag_key_;
+  std::uint64_t lag_key_number_ = 0;
 };
 
 }  // namespace corotet::inline v0_1

@@ -43,7 +43,7 @@ class PinReactions {
 
   /// Memory.
   COROTET_COLD explicit PinReactions(const Body& body)
-      : evaluation_(body.law(), Tangent::plain),
+      : evaluation_(body.law(), Tangent::warped),
         slot_(at(body.vertex_count()), none),
         displacement_(body.damping().stiffness > 0 ? at(body.vertex_count()) : 0, Vec3<Scalar>::Zero()) {
     vertices_.reserve(at(body.vertex_count()));
@@ -150,7 +150,7 @@ class PinReactions {
       }
     }
     // Patches of mean dilatation: the sum of g g^T.
-    const VertexGroups& groups = body.law().vertex_groups();
+    const Stencils& groups = body.law().stencils();
     const auto gradient = [&](Index k) { return Vec3<Scalar>::load(evaluation_.mean_gradient(at(k))); };
     for (Index g = 0; g < groups.count(); ++g) {
       Scalar rate = 0;

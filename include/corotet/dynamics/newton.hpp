@@ -6,7 +6,7 @@
 #include <concepts>
 #include <corotet/core/exactly.hpp>
 #include <corotet/dynamics/line_search.hpp>
-#include <corotet/dynamics/newton_options.hpp>
+#include <corotet/dynamics/step_options.hpp>
 #include <corotet/solve/solver.hpp>
 
 namespace corotet::inline v0_1 {
@@ -39,7 +39,7 @@ struct NewtonResult {
 };
 
 /// Corrects the iterate of `problem` until the error, in the norm of the tangent, is `tolerance` times the first
-/// correction (see NewtonOptions), or rounding hides what is left; or `max_iterations` times. The error is estimated
+/// correction (see StepOptions), or rounding hides what is left; or `max_iterations` times. The error is estimated
 /// from the last correction and the gradient before and after it (Deuflhard 2011, section 2.1). With max_iterations = 1
 /// the correction is taken as it is. `searches`: whether the energy decides how far to go, from the second on.
 template <NewtonProblem Problem>

@@ -143,8 +143,8 @@ class Pieces {
     return materials;
   }
 
-  [[nodiscard]] COROTET_COLD VertexGroups part_of(const VertexGroups& groups, Index piece) const {
-    VertexGroups part;
+  [[nodiscard]] COROTET_COLD Stencils part_of(const Stencils& groups, Index piece) const {
+    Stencils part;
     part.start.assign(1, 0);
     for (Index g = 0; g < groups.count(); ++g) {
       const Index begin = groups.start[at(g)], end = groups.start[at(g) + 1];

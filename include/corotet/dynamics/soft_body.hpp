@@ -148,7 +148,7 @@ class SoftBody : private PointStates<Scalar, ElasticModelOf<LawType>> {
   COROTET_COLD Result<void> set_materials(const Materials& materials);
 
   /// How long sound takes through the body where it is thin, s: see thickness.
-  [[nodiscard]] double crossing_time() const { return model_->crossing_time(); }
+  [[nodiscard]] double wave_transit_time() const { return model_->wave_transit_time(); }
 
   /// Another than that of any body with other materials or another mesh.
   [[nodiscard]] Revision material_revision() const { return model_->revision(); }

@@ -7,9 +7,9 @@
 #include <corotet/core/executor.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/dynamics/integrator.hpp>
-#include <corotet/dynamics/newton_options.hpp>
 #include <corotet/dynamics/static_report.hpp>
 #include <corotet/dynamics/step_context.hpp>
+#include <corotet/dynamics/step_options.hpp>
 #include <corotet/dynamics/step_report.hpp>
 #include <corotet/dynamics/time_step.hpp>
 #include <corotet/solve/auto_solver.hpp>
@@ -78,14 +78,14 @@ COROTET_COLD StaticReport solve_static(Body& body, const StaticOptions& options 
   Integrator<Body, StandstillScheme<Body>, Solver> integrator(body, Solver(options.solver),
                                                               {.iterations = options.newton_iterations,
                                                                .tolerance = (std::min)(1e-3, options.tolerance),
-                                                               .tangent = Tangent::exact,
+                                                               .tangent = Tangent::consistent,
                                                                .keeps_angular_momentum = false,
                                                                .bounds_energy = false});
   double size2 = 0;
   for (const Vec3<Scalar>& x : body.mesh().positions()) size2 = (std::max)(size2, double(x.squaredNorm()));
   const double epsilon = static_cast<double>(std::numeric_limits<Scalar>::epsilon());
   // What holds a body that has no pins is its mass: the matrix of longer steps would be singular but for rounding.
-  const double shortest = body.crossing_time();
+  const double shortest = body.wave_transit_time();
   double longest = shortest * (body.pins().vertices().empty() ? 0.25 / std::sqrt(epsilon) : 1e6);
   const double tiny2 = epsilon * size2;  // corrections of the longest steps that are as small may be rounding
   StaticReport report;
@@ -95,7 +95,7 @@ COROTET_COLD StaticReport solve_static(Body& body, const StaticOptions& options 
     report.last = integrator.step(body, static_cast<Scalar>(h), context);
     if (!report.last.accepted()) {
       longest = h /= 10;
-      if (h < shortest / 100 || report.last.refusal <= Refusal::newton_options) break;
+      if (h < shortest / 100 || report.last.error <= StepError::newton_options) break;
       continue;
     }
     ++report.steps;

@@ -9,7 +9,7 @@
 namespace corotet::inline v0_1 {
 
 /// Why a step was refused. A refused step leaves the state as it was.
-enum class Refusal : std::uint8_t {
+enum class StepError : std::uint8_t {
   none,
   time_step,         ///< h is not positive and finite
   gravity,           ///< gravity is not finite
@@ -19,11 +19,11 @@ enum class Refusal : std::uint8_t {
   newton_options,    ///< the tolerance or iteration limit of Newton's method is out of range
   solver_breakdown,  ///< the matrix is not positive definite, or its entries left the range of the scalar
   overflow,          ///< the new velocity is not finite in this precision
-  untrusted          ///< by AdaptiveStep, for the reason in `distrust`
+  unreliable         ///< by SubsteppingIntegrator, for the reason in `distrust`
 };
 
-/// Why AdaptiveStep does not trust a step that the integrator did not refuse.
-enum class Distrust : std::uint8_t {
+/// Why SubsteppingIntegrator does not trust a step that the integrator did not refuse.
+enum class StepWarning : std::uint8_t {
   none,
   residual,  ///< the linear solve or Newton's method ended far from its solution
   inverted,  ///< elements were turned inside out
@@ -31,9 +31,9 @@ enum class Distrust : std::uint8_t {
 };
 
 /// How a step ended. What describes deformation is of the state after the step, and not filled in if the integrator
-/// refused it; if AdaptiveStep did, it is of the state that was thrown away.
+/// refused it; if SubsteppingIntegrator did, it is of the state that was thrown away.
 struct StepReport {
-  Refusal refusal = Refusal::none;
+  StepError error = StepError::none;
   Index vertex = -1;      ///< the culprit, where `refusal` names one
   bool converged = true;  ///< each linear solve reached its tolerance
   SolveStatus solve =
@@ -42,44 +42,45 @@ struct StepReport {
   double residual = 0;           ///< relative residual of the linear solve, the worst
   int newton_iterations = 0;     ///< linear solves
   bool newton_converged = true;  ///< Newton's method reached its tolerance; true after one solve
-  double newton_residual = 0;    ///< estimate of the error left, relative, see NewtonOptions; 0 after one solve
+  double newton_residual = 0;    ///< estimate of the error left, relative, see StepOptions; 0 after one solve
   Index inverted_elements = 0;   ///< elements turned inside out somewhere
-  double largest_rotation = 0;   ///< of any element against its rest orientation, rad, 0 ... pi
-  double largest_strain = 0;     ///< of any element, Frobenius norm of sym(R^T F) - I, dimensionless
-  Distrust distrust = Distrust::none;  ///< asked only by AdaptiveStep; of sub-steps, the last that was not trusted
-  int sub_steps = 1;                   ///< that AdaptiveStep divided the step into
-  int steps_tried = 1;                 ///< by AdaptiveStep, those that were thrown away included
+  double max_rotation = 0;       ///< of any element against its rest orientation, rad, 0 ... pi
+  double max_strain = 0;         ///< of any element, Frobenius norm of sym(R^T F) - I, dimensionless
+  StepWarning warning =
+      StepWarning::none;  ///< asked only by SubsteppingIntegrator; of sub-steps, the last that was not trusted
+  int sub_steps = 1;      ///< that SubsteppingIntegrator divided the step into
+  int steps_tried = 1;    ///< by SubsteppingIntegrator, those that were thrown away included
 
-  [[nodiscard]] bool accepted() const { return refusal == Refusal::none; }
+  [[nodiscard]] bool accepted() const { return error == StepError::none; }
 
   /// Accepted, and nothing to complain of.
   [[nodiscard]] bool ok() const {
-    return accepted() && converged && newton_converged && inverted_elements == 0 && distrust == Distrust::none;
+    return accepted() && converged && newton_converged && inverted_elements == 0 && warning == StepWarning::none;
   }
 
   /// What to change, in one sentence; "" if all is well. The worst problem only.
   [[nodiscard]] const char* advice() const {
-    switch (refusal) {
-      case Refusal::time_step:
+    switch (error) {
+      case StepError::time_step:
         return "the time step must be positive and finite";
-      case Refusal::gravity:
+      case StepError::gravity:
         return "gravity must be finite";
-      case Refusal::external_force:
+      case StepError::external_force:
         return "the external force on the named vertex must be finite";
-      case Refusal::pin_target:
+      case StepError::pin_target:
         return "the target position of the named pin must be finite";
-      case Refusal::solver_options:
+      case StepError::solver_options:
         return "the solver's tolerance must be between 0 and 1, and max_iterations not negative";
-      case Refusal::newton_options:
+      case StepError::newton_options:
         return "Newton's tolerance must be between 0 and 1, and its iterations at least 1";
-      case Refusal::solver_breakdown:
+      case StepError::solver_breakdown:
         return "the step's matrix is not positive definite in this precision: use double, a smaller time step, or "
                "better shaped elements";
-      case Refusal::overflow:
+      case StepError::overflow:
         return "the new state is too large for this precision: use smaller forces or steps";
-      case Refusal::untrusted:
-        return distrust_advice();
-      case Refusal::none:
+      case StepError::unreliable:
+        return warning_advice();
+      case StepError::none:
         break;
     }
     if (solve == SolveStatus::stagnated)
@@ -89,19 +90,19 @@ struct StepReport {
       return "Newton's method stopped short of its tolerance: raise its iterations, use the exact tangent, or smaller "
              "steps";
     if (inverted_elements > 0) return "elements are inverted: use smaller steps, gentler pins, or a stiffer material";
-    return distrust_advice();
+    return warning_advice();
   }
 
  private:
-  [[nodiscard]] const char* distrust_advice() const {
-    switch (distrust) {
-      case Distrust::residual:
+  [[nodiscard]] const char* warning_advice() const {
+    switch (warning) {
+      case StepWarning::residual:
         return "the solve ended far from its solution: raise its limits, or use smaller steps";
-      case Distrust::inverted:
+      case StepWarning::inverted:
         return "elements were turned inside out: use smaller steps or gentler pins";
-      case Distrust::strain:
+      case StepWarning::strain:
         return "the strain grew too far in one step: use smaller steps or gentler pins";
-      case Distrust::none:
+      case StepWarning::none:
         break;
     }
     return "";
@@ -121,9 +122,9 @@ struct StepReport {
   all.newton_converged = a.newton_converged && b.newton_converged;
   all.newton_residual = (std::max)(a.newton_residual, b.newton_residual);
   all.inverted_elements += b.inverted_elements;
-  all.largest_rotation = (std::max)(a.largest_rotation, b.largest_rotation);
-  all.largest_strain = (std::max)(a.largest_strain, b.largest_strain);
-  if (all.distrust == Distrust::none) all.distrust = b.distrust;
+  all.max_rotation = (std::max)(a.max_rotation, b.max_rotation);
+  all.max_strain = (std::max)(a.max_strain, b.max_strain);
+  if (all.warning == StepWarning::none) all.warning = b.warning;
   all.sub_steps = (std::max)(a.sub_steps, b.sub_steps);
   all.steps_tried = (std::max)(a.steps_tried, b.steps_tried);
   return all;

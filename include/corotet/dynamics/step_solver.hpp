@@ -15,15 +15,15 @@
 #include <corotet/dynamics/energy_bound.hpp>
 #include <corotet/dynamics/linearized_step.hpp>
 #include <corotet/dynamics/newton.hpp>
-#include <corotet/dynamics/newton_options.hpp>
 #include <corotet/dynamics/soft_body.hpp>
 #include <corotet/dynamics/step_check.hpp>
 #include <corotet/dynamics/step_context.hpp>
+#include <corotet/dynamics/step_options.hpp>
 #include <corotet/dynamics/step_phase.hpp>
 #include <corotet/dynamics/step_report.hpp>
 #include <corotet/dynamics/time_step.hpp>
 #include <corotet/dynamics/turning_frame.hpp>
-#include <corotet/solve/range_sum.hpp>
+#include <corotet/solve/deterministic_reduction.hpp>
 #include <corotet/solve/solver.hpp>
 
 namespace corotet::inline v0_1 {
@@ -37,7 +37,7 @@ class StepSolver {
   using Scalar = typename Body::scalar_type;
 
   /// Symbolic work and memory.
-  COROTET_COLD StepSolver(const Body& body, const Solver& solver, const NewtonOptions& newton)
+  COROTET_COLD StepSolver(const Body& body, const Solver& solver, const StepOptions& newton)
       : options_(newton),
         solver_(unanalyzed(solver)),
         equation_(body, newton.tangent),
@@ -53,7 +53,7 @@ class StepSolver {
   }
 
   [[nodiscard]] const Solver& solver() const { return solver_; }
-  [[nodiscard]] const NewtonOptions& options() const { return options_; }
+  [[nodiscard]] const StepOptions& options() const { return options_; }
 
   /// See check_step. The body must be the one that this was made for, or a copy.
   [[nodiscard]] StepReport validate(const Body& body, Scalar h) const {
@@ -132,8 +132,8 @@ class StepSolver {
     body.swap_state(displacement_, velocity_);  // as it was
     StepReport again;
     if (step.is_first_order()) {
-      constexpr int most_iterations = 8;  // it gains nothing long before it has converged
-      again = solve_step(body, step, most_iterations, context);
+      constexpr int max_iterations = 8;  // it gains nothing long before it has converged
+      again = solve_step(body, step, max_iterations, context);
     } else {
       again = advance_bounded(body, backward_euler(body, step.h), context);
     }
@@ -143,9 +143,9 @@ class StepSolver {
     return again;
   }
 
-  /// One step of at most `most_iterations` linear solves: Müller & Gross 2004, section 3.4, with what keeps a free
+  /// One step of at most `max_iterations` linear solves: Müller & Gross 2004, section 3.4, with what keeps a free
   /// body's momenta.
-  StepReport solve_step(Body& body, const TimeStep<Scalar>& wanted, int most_iterations,
+  StepReport solve_step(Body& body, const TimeStep<Scalar>& wanted, int max_iterations,
                         const StepContext<Scalar>& context) {
     const ExecutorRef executor = context.executor;
     context.observer(StepPhase::assembly);
@@ -157,15 +157,15 @@ class StepSolver {
     TimeStep<Scalar> step = wanted;
     const TimeStep<Scalar> in_frame{
         .gamma = step.gamma, .x_history = step.x_history, .v_history = frame_velocity_, .h = step.h};
-    return solve_in_frame(body, turns ? in_frame : step, free, most_iterations, context);
+    return solve_in_frame(body, turns ? in_frame : step, free, max_iterations, context);
   }
 
-  StepReport solve_in_frame(Body& body, const TimeStep<Scalar>& step, bool free, int most_iterations,
+  StepReport solve_in_frame(Body& body, const TimeStep<Scalar>& step, bool free, int max_iterations,
                             const StepContext<Scalar>& context) {
     const ExecutorRef executor = context.executor;
     StepReport report;
-    Problem problem{*this, body, step, context, report, most_iterations > 1};
-    const bool bounded = bounds_energy(most_iterations);
+    Problem problem{*this, body, step, context, report, max_iterations > 1};
+    const bool bounded = bounds_energy(max_iterations);
 
     equation_.project_twist(false);
     equation_.prepare(body, step.gamma);
@@ -176,15 +176,15 @@ class StepSolver {
 
     // A dv = M (v_history - v) + gamma (f_ext + f_el(x) - D v), v += dv, x = x_history + gamma v, once or until
     // converged.
-    const NewtonResult solved = newton_solve(problem, most_iterations, options_.tolerance, Body::Law::is_conservative);
+    const NewtonResult solved = newton_solve(problem, max_iterations, options_.tolerance, Body::Law::is_conservative);
     report.solve = solved.solve;
     report.newton_iterations = solved.iterations;
     report.newton_converged = solved.converged;
     report.newton_residual = solved.residual;
     report.converged = solved.all_solved;
-    if (solved.solve == SolveStatus::breakdown) return refused(report, Refusal::solver_breakdown);
-    if (solved.solve == SolveStatus::invalid_options) return refused(report, Refusal::solver_options);
-    if (!solved.finite) return refused(report, Refusal::overflow);
+    if (solved.solve == SolveStatus::breakdown) return refused(report, StepError::solver_breakdown);
+    if (solved.solve == SolveStatus::invalid_options) return refused(report, StepError::solver_options);
+    if (!solved.finite) return refused(report, StepError::overflow);
 
     const auto weigh = [&](const Field<Scalar>& velocity_before) {
       if (bounded)
@@ -194,7 +194,7 @@ class StepSolver {
     if (step.is_first_order()) weigh(step.v_history);  // in the frame in which it was solved
     if (free && !(step.order > 1 && equation_.terms().is_implicit()) &&
         !frame_.leave(body, step.gamma, equation_.terms(), displacement_, velocity_, executor))
-      return refused(report, Refusal::overflow);
+      return refused(report, StepError::overflow);
     if (!step.is_first_order()) limit_pin_velocities(body, step);
     if (!step.is_first_order()) weigh(body.velocities());  // with what the projection of momenta gives
 
@@ -202,10 +202,10 @@ class StepSolver {
     if (problem.iterates && !problem.projected && !free) equation_.mark_evaluated(body);
     equation_.project_twist(false);
     equation_.evaluate(body, executor);  // from which the next step starts
-    const DeformationExtremes worst = equation_.worst();
+    const DeformationExtremes worst = equation_.summary();
     report.inverted_elements = worst.inverted_elements;
-    report.largest_rotation = worst.largest_rotation();
-    report.largest_strain = worst.largest_strain();
+    report.max_rotation = worst.max_rotation();
+    report.max_strain = worst.max_strain();
     return report;
   }
 
@@ -227,14 +227,14 @@ class StepSolver {
     void predict() {
       at_rest = step.is_first_order();
       if (at_rest) {
-        for_ranges(context.executor, body.vertex_count(), RangeSum::grain, [&](Index begin, Index end) {
+        for_ranges(context.executor, body.vertex_count(), DeterministicSum::grain, [&](Index begin, Index end) {
           for (Index i = begin; i < end; ++i) s.velocity_[at(i)] = step.v_history[at(i)];
         });
         body.pins().for_each_component(
             [&](std::size_t p, Index v, int i) { s.velocity_[at(v)][i] = pin_velocity(p, v, i); });
         s.equation_.evaluate(body, context.executor);
       } else {
-        for_ranges(context.executor, body.vertex_count(), RangeSum::grain, [&](Index begin, Index end) {
+        for_ranges(context.executor, body.vertex_count(), DeterministicSum::grain, [&](Index begin, Index end) {
           for (Index i = begin; i < end; ++i) {
             s.displacement_[at(i)] = body.displacements()[at(i)] + step.linearization_time * body.velocities()[at(i)];
             s.velocity_[at(i)] = (s.displacement_[at(i)] - step.x_history[at(i)]) / step.gamma;
@@ -256,7 +256,7 @@ class StepSolver {
     [[nodiscard]] SolveStatus solve() {
       context.observer(StepPhase::solve);
       const StepSystem<Scalar> system{s.equation_.matrix(), s.equation_.right_side(), body.displacements(),
-                                      body.pins().vertices(), s.equation_.era()};
+                                      body.pins().vertices(), s.equation_.lag_key()};
       const SolveReport solved = s.solver_.solve(system, s.change_, context.executor);
       find_impulses();
       if (body.pins().vertices().empty())
@@ -270,9 +270,9 @@ class StepSolver {
     [[nodiscard]] double decrement2() { return s.equation_.right_side_dot(s.change_, context.executor); }
     [[nodiscard]] double gradient_norm() { return s.equation_.right_side_norm(context.executor); }
 
-    /// Tangent::exact: leaves out what is negative of it for the rest of the step.
+    /// Tangent::consistent: leaves out what is negative of it for the rest of the step.
     [[nodiscard]] bool project_tangent(bool first) {
-      if (s.options_.tangent != Tangent::exact || projected) return false;
+      if (s.options_.tangent != Tangent::consistent || projected) return false;
       context.observer(StepPhase::assembly);
       projected = true;
       s.equation_.project_twist(true);
@@ -371,8 +371,8 @@ class StepSolver {
   };
 
   /// Whether the energy after a step of so many solves is compared with that before it.
-  [[nodiscard]] bool bounds_energy(int most_iterations) const {
-    return options_.bounds_energy && Body::Law::is_conservative && most_iterations == 1;
+  [[nodiscard]] bool bounds_energy(int max_iterations) const {
+    return options_.bounds_energy && Body::Law::is_conservative && max_iterations == 1;
   }
 
   /// velocity_ += fraction change_, and displacement_ follows. False if a number is not finite.
@@ -394,7 +394,7 @@ class StepSolver {
   /// displacement_ = x_history + gamma (velocity_ + fraction change_).
   COROTET_COLD void try_increment(const Body& body, const TimeStep<Scalar>& step, Scalar fraction,
                                   ExecutorRef executor) {
-    for_ranges(executor, body.vertex_count(), RangeSum::grain, [&](Index begin, Index end) {
+    for_ranges(executor, body.vertex_count(), DeterministicSum::grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i)
         displacement_[at(i)] = step.x_history[at(i)] + step.gamma * (velocity_[at(i)] + fraction * change_[at(i)]);
     });
@@ -424,11 +424,11 @@ class StepSolver {
     }
   }
 
-  NewtonOptions options_;
+  StepOptions options_;
   Solver solver_;
   LinearizedStep<Body> equation_;
   Field<Scalar> change_, velocity_, displacement_, frame_velocity_;
-  RangeSum sum_;
+  DeterministicSum sum_;
   TurningFrame<Body> frame_;
   EnergyBound<Body> energy_bound_;
 };

@@ -13,7 +13,7 @@
 #include <corotet/dynamics/time_step.hpp>
 #include <corotet/rotation/polar_robust.hpp>
 #include <corotet/rotation/quaternion.hpp>
-#include <corotet/solve/range_sum.hpp>
+#include <corotet/solve/deterministic_reduction.hpp>
 #include <corotet/terms/term_state.hpp>
 #include <limits>
 #include <span>
@@ -74,7 +74,7 @@ class TurningFrame {
     const auto x = placed(body, body.displacements());
     const auto v = relative(body.velocities());
     const Vec3<double> flight = body.velocities()[0].template cast<double>() + before_.velocity;
-    for_ranges(executor, body.vertex_count(), RangeSum::grain, [&](Index begin, Index end) {
+    for_ranges(executor, body.vertex_count(), DeterministicSum::grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) {
         const Vec3<double> around = w.cross(x(i) - before_.centre);
         const Vec3<double> seen = coriolis * (v(i) - before_.velocity - around) - g * w.cross(around);
@@ -212,8 +212,8 @@ class TurningFrame {
   Vec3<double> turn_rate_ = Vec3<double>::Zero();  // angular velocity of the frame, rad/s, 0 if it was not entered
   Vec3<double> turn_ = Vec3<double>::Zero();       // the angle of that in the step, rad
   Vec3<double> pivot_ = Vec3<double>::Zero(), pivot_velocity_ = pivot_;
-  RangeSums<24> before_sums_, after_sums_;
-  RangeSum finite_;
+  DeterministicReduction<24> before_sums_, after_sums_;
+  DeterministicSum finite_;
 };
 
 }  // namespace corotet::inline v0_1

@@ -16,7 +16,7 @@ struct ElementBatch {
   struct Point {
     Mat3Lanes<Scalar> inverse_jacobian;  ///< dxi/dX: (natural coordinate, space), 1/m
     Lanes<Scalar> volume;                ///< quadrature weight times det J, m^3
-    Lanes<Scalar> root_stiffness;        ///< sqrt(mu volume), sqrt(J)
+    Lanes<Scalar> sqrt_mu_volume;        ///< sqrt(mu volume), sqrt(J)
   };
 
   std::array<std::array<Index, lane_count<Scalar>>, Element::nodes> vertex;

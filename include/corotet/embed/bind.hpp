@@ -140,7 +140,7 @@ Result<void> check_surface(const TetMesh<Scalar, Element>& mesh, std::span<const
         "it has " + std::to_string(positions.size()) + " vertices but " + std::to_string(normals.size()) + " normals"};
   if (Result<void> status = check_positions(positions, "surface vertex"); !status) return status;
   // In float, natural coordinates and moved positions need room below the end of the range.
-  constexpr double largest = std::numeric_limits<Scalar>::max_exponent10 > 100 ? largest_coordinate : 1e30;
+  constexpr double largest = std::numeric_limits<Scalar>::max_exponent10 > 100 ? max_coordinate : 1e30;
   for (std::size_t v = 0; v < positions.size(); ++v)
     if ((positions[v] - mesh.origin()).cwiseAbs().maxCoeff() > largest)
       return Error{ErrorCode::non_finite_value, "surface vertex " + std::to_string(v),

@@ -113,10 +113,10 @@ Scalar rounding_of_normal(Scalar squared_jacobian) {
 
 /// `cof_m` / |cof_m|; where that is lost in rounding or overflow, the rest normal at `xi` of m = `vertex.normal`.
 template <std::floating_point Scalar, TetrahedralElement Element>
-Wide<Scalar> unit_normal(const Wide<Scalar>& cof_m, Scalar least_squared, const Vec3<Scalar>& m, const Vec3<Scalar>& xi,
+Wide<Scalar> unit_normal(const Wide<Scalar>& cof_m, Scalar min_squared, const Vec3<Scalar>& m, const Vec3<Scalar>& xi,
                          const CarrierElement<Scalar, Element>& carrier) {
   const Scalar squared = cof_m.squaredNorm();
-  if (squared > least_squared && squared <= (std::numeric_limits<Scalar>::max)()) [[likely]]
+  if (squared > min_squared && squared <= (std::numeric_limits<Scalar>::max)()) [[likely]]
     return cof_m * (Scalar(1) / std::sqrt(squared));
   const Mat3<Scalar> rest = carrier.rest.gradient(xi) / carrier.size;
   return widen<Scalar>((cofactor(rest) * m).stableNormalized());
@@ -135,7 +135,7 @@ struct ElementMotion<Scalar, Element> {
   Wide<Scalar> at_zero;
   WideColumns<Scalar> slope;  // not divided: nothing but positions needs it
   WideColumns<Scalar> cof;
-  Scalar least_squared;
+  Scalar min_squared;
 
   template <bool with_normals>
   void set(const CarrierElement<Scalar, Element>& carrier, const Vec3<Scalar>* u) {
@@ -147,7 +147,7 @@ struct ElementMotion<Scalar, Element> {
     if constexpr (with_normals) {
       const Mat3<Scalar> scaled = jacobian / carrier.size;
       cof = widen_columns<Scalar>(cofactor(scaled));
-      least_squared = rounding_of_normal(scaled.squaredNorm());
+      min_squared = rounding_of_normal(scaled.squaredNorm());
     }
   }
 
@@ -156,7 +156,7 @@ struct ElementMotion<Scalar, Element> {
                 Wide<Scalar>& n) const {
     x = at_zero + multiply(slope, vertex.where[0]);
     if constexpr (with_normals)
-      n = unit_normal(multiply(cof, vertex.normal), least_squared, vertex.normal, vertex.where[0], carrier);
+      n = unit_normal(multiply(cof, vertex.normal), min_squared, vertex.normal, vertex.where[0], carrier);
   }
 };
 

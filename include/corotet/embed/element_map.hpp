@@ -107,10 +107,10 @@ inline Vec3<double> natural(const SimplexPoint<4>& q) { return {q.barycentric[1]
 template <TetrahedralElement Element>
 ElementPoint refine_closest(const ElementField<double, Element::edge_nodes>& map, const Vec3<double>& p,
                             const Vec3<double>& start, double tolerance) {
-  constexpr int most_steps = 50, most_halvings = 30;
-  constexpr double least_gain = 1e-9;  // of the squared distance
+  constexpr int max_steps = 50, max_halvings = 30;
+  constexpr double min_gain = 1e-9;  // of the squared distance
   ElementPoint now{start, (map.value(start) - p).squaredNorm()};
-  for (int step = 0; step < most_steps && now.squared_distance > tolerance * tolerance; ++step) {
+  for (int step = 0; step < max_steps && now.squared_distance > tolerance * tolerance; ++step) {
     const Vec3<double> x = map.value(now.xi);
     const Mat3<double> g = map.gradient(now.xi);
     const Vec3<double> corner = x - g * now.xi;
@@ -118,7 +118,7 @@ ElementPoint refine_closest(const ElementField<double, Element::edge_nodes>& map
         natural(closest_on_tetrahedron({corner, corner + g.col(0), corner + g.col(1), corner + g.col(2)}, p));
     const double before = now.squared_distance;
     double t = 1;
-    for (int halving = 0; halving < most_halvings; ++halving, t /= 2) {
+    for (int halving = 0; halving < max_halvings; ++halving, t /= 2) {
       const Vec3<double> xi = now.xi + t * (target - now.xi);
       const double d2 = (map.value(xi) - p).squaredNorm();
       if (d2 < before) {
@@ -126,7 +126,7 @@ ElementPoint refine_closest(const ElementField<double, Element::edge_nodes>& map
         break;
       }
     }
-    if (!(now.squared_distance < before * (1 - least_gain))) break;
+    if (!(now.squared_distance < before * (1 - min_gain))) break;
   }
   return now;
 }

@@ -122,7 +122,7 @@ class EmbeddedSurface {
   /// Bound vertices outside the mesh by more than its rounding: how many, which, and the farthest of them, m.
   [[nodiscard]] Index outside_count() const { return size_of(binding_->outside_vertices); }
   [[nodiscard]] const std::vector<Index>& outside_vertices() const { return binding_->outside_vertices; }
-  [[nodiscard]] double largest_distance() const { return binding_->largest_distance; }
+  [[nodiscard]] double max_distance() const { return binding_->max_distance; }
 
   /// How many rest normals had no direction and were replaced by +z.
   [[nodiscard]] Index replaced_normals() const { return binding_->replaced_normals; }
@@ -141,7 +141,7 @@ class EmbeddedSurface {
     std::vector<Vertex> vertices;
     std::vector<Carrier> elements;  // those that carry a vertex, in the order in which vertices name them
     std::vector<Index> outside_vertices;
-    double largest_distance = 0;
+    double max_distance = 0;
     std::int64_t boxes_visited = 0;
     Index mesh_vertices = 0;
     Index replaced_normals = 0;
@@ -239,7 +239,7 @@ Result<EmbeddedSurface<Scalar, Element>> EmbeddedSurface<Scalar, Element>::bind(
     binding.boxes_visited += point.visited;
     if (point.distance > 0) {
       binding.outside_vertices.push_back(v);
-      binding.largest_distance = (std::max)(binding.largest_distance, point.distance);
+      binding.max_distance = (std::max)(binding.max_distance, point.distance);
     }
   }
   binding.elements.shrink_to_fit();

@@ -121,7 +121,7 @@ namespace detail {
 
 /// Whether queries at `p` stay in the range of numbers.
 [[nodiscard]] inline bool can_be_located(const Vec3<double>& p) {
-  return p.allFinite() && p.cwiseAbs().maxCoeff() <= largest_coordinate;
+  return p.allFinite() && p.cwiseAbs().maxCoeff() <= max_coordinate;
 }
 
 template <TetrahedralElement Element>

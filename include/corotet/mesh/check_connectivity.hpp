@@ -46,11 +46,11 @@ inline Result<void> check_triangles(const SurfaceMesh& surface) {
 }
 
 /// m. Cubes of differences, which are volumes, stay within double's range.
-inline constexpr double largest_coordinate = 1e100;
+inline constexpr double max_coordinate = 1e100;
 
 /// Finite positions no farther out than `largest` along any axis; an error names the vertex as `name` and its number.
 inline Result<void> check_positions(std::span<const Vec3<double>> positions, const char* name,
-                                    double largest = largest_coordinate) {
+                                    double largest = max_coordinate) {
   for (std::size_t v = 0; v < positions.size(); ++v)
     if (!positions[v].allFinite() || positions[v].cwiseAbs().maxCoeff() > largest)
       return Error{ErrorCode::non_finite_value, std::string(name) + " " + std::to_string(v),

@@ -167,9 +167,9 @@ template <TetrahedralElement Element>
     ++large_at_corner[tet_edges[e].a];
     ++large_at_corner[tet_edges[e].b];
   }
-  const int most_at_corner = *std::max_element(large_at_corner.begin(), large_at_corner.end());
-  if (large_count == 3 && most_at_corner == 3) return ElementDefect::cap;
-  if (large_count == 2 && most_at_corner == 1) return ElementDefect::sliver;
+  const int max_at_corner = *std::max_element(large_at_corner.begin(), large_at_corner.end());
+  if (large_count == 3 && max_at_corner == 3) return ElementDefect::cap;
+  if (large_count == 2 && max_at_corner == 1) return ElementDefect::sliver;
   if (large_count > 0) return ElementDefect::flat;
   if (small_count > 0) return quality.edge_ratio > detail::long_edge_ratio ? ElementDefect::wedge : ElementDefect::flat;
   return quality.edge_ratio > detail::long_edge_ratio ? ElementDefect::needle : ElementDefect::none;

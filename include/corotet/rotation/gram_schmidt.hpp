@@ -40,9 +40,9 @@ struct GramSchmidt {
 
   /// v / |v| without over- or underflow; `otherwise` for zero and non-finite v.
   template <std::floating_point Scalar>
-  static Vec3<Scalar> direction(const Vec3<Scalar>& v, const Vec3<Scalar>& otherwise) {
+  static Vec3<Scalar> direction(const Vec3<Scalar>& v, const Vec3<Scalar>& on_unreliable) {
     const Scalar largest = v.cwiseAbs().maxCoeff();
-    if (!(largest > 0) || !std::isfinite(largest) || !v.allFinite()) return otherwise;
+    if (!(largest > 0) || !std::isfinite(largest) || !v.allFinite()) return on_unreliable;
     return (v / largest).normalized();
   }
 };

@@ -107,7 +107,7 @@ struct Polar {
       const L x = r(i, 0), y = r(i, 1), z = r(i, 2);
       for (int j = 0; j < 3; ++j) r(i, j) += x * correction(0, j) + y * correction(1, j) + z * correction(2, j);
     }
-    return distance < largest_distance<Scalar>();
+    return distance < max_distance<Scalar>();
   }
 
   // Scales beyond which products of four entries leave the range of Scalar, or reciprocals do.
@@ -127,7 +127,7 @@ struct Polar {
   }
   // Leaves a rotation orthonormal to rounding after one polish.
   template <std::floating_point Scalar>
-  static constexpr Scalar largest_distance() {
+  static constexpr Scalar max_distance() {
     return sizeof(Scalar) <= 4 ? Scalar(1e-4) : Scalar(1e-9);
   }
 };

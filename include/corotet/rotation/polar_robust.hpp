@@ -16,11 +16,11 @@ namespace detail {
 /// nine seconds to compile in every file that steps a body; the tests compare the two.
 template <std::floating_point Scalar>
 [[nodiscard]] COROTET_COLD Matrix<Scalar, 4, 4> diagonalise(Matrix<Scalar, 4, 4>& k) {
-  constexpr int most_sweeps = 16;  // quadratic convergence: four or five are enough
+  constexpr int max_sweeps = 16;  // quadratic convergence: four or five are enough
   const Scalar negligible = k.norm() * std::numeric_limits<Scalar>::epsilon() / 8;
   Matrix<Scalar, 4, 4> vectors = Matrix<Scalar, 4, 4>::Identity();
   bool rotated = true;
-  for (int sweep = 0; rotated && sweep < most_sweeps; ++sweep) {
+  for (int sweep = 0; rotated && sweep < max_sweeps; ++sweep) {
     rotated = false;
     for (int p = 0; p < 3; ++p)
       for (int q = p + 1; q < 4; ++q) {

@@ -8,7 +8,7 @@
 #include <corotet/core/memory_use.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/aggregates.hpp>
-#include <corotet/solve/range_sum.hpp>
+#include <corotet/solve/deterministic_reduction.hpp>
 #include <span>
 #include <vector>
 
@@ -63,7 +63,7 @@ struct AggregateHierarchy {
   template <class Body>
   void for_fine(ExecutorRef executor, Body&& body) const {
     const Index vertices_each = std::max<Index>(1, size_of(rest) / fine.count());
-    for_ranges(executor, fine.count(), std::max<Index>(1, RangeSum::grain / vertices_each),
+    for_ranges(executor, fine.count(), std::max<Index>(1, DeterministicSum::grain / vertices_each),
                [&](Index begin, Index end) {
                  for (Index a = begin; a < end; ++a) body(a);
                });

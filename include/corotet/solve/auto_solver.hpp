@@ -119,10 +119,10 @@ class AutoSolver {
                                           const Field<Scalar>& rest);
 
   // The factor of a larger body takes many times the memory of its matrix, and rarely pays.
-  static constexpr Index most_vertices_of_a_small_body = 2000;
+  static constexpr Index max_vertices_of_a_small_body = 2000;
   // Memory of the factor as it is made, to that of the matrix: more is not reserved for a choice that may never be
   // made, and a factor of so many blocks seldom pays.
-  static constexpr double most_factor_memory = 2.5;
+  static constexpr double max_factor_memory = 2.5;
 
   Options options_;
   SolverMethod method_ = SolverMethod::pcg;
@@ -188,7 +188,7 @@ void AutoSolver<Scalar>::choose_preconditioner(const std::shared_ptr<const Block
   }
   detail::Shared<SymbolicFactor> symbolic;
   if (preconditioner_ == warped_cholesky ||
-      (preconditioner_ == automatic && vertices <= most_vertices_of_a_small_body)) {
+      (preconditioner_ == automatic && vertices <= max_vertices_of_a_small_body)) {
     symbolic = detail::Shared<SymbolicFactor>::make(*pattern);
     if (symbolic->fits()) warped_products_ = cost_.warped_cholesky(double(symbolic->blocks));
   }
@@ -199,11 +199,11 @@ void AutoSolver<Scalar>::choose_preconditioner(const std::shared_ptr<const Block
   }
   methods_->rigid.analyze(pattern, rest);
   predicted_products_ = cost_.rigid_aggregates(double(methods_->rigid.factor_blocks()));
-  constexpr double most_iterations = 25;
+  constexpr double max_iterations = 25;
   may_change_ =
       preconditioner_ == automatic &&
-      warped_products_ < cost_.rigid_aggregates(double(methods_->rigid.factor_blocks()), most_iterations) &&
-      double(symbolic->blocks) * sizeof(double) < most_factor_memory * double(pattern->blocks()) * sizeof(Scalar);
+      warped_products_ < cost_.rigid_aggregates(double(methods_->rigid.factor_blocks()), max_iterations) &&
+      double(symbolic->blocks) * sizeof(double) < max_factor_memory * double(pattern->blocks()) * sizeof(Scalar);
   preconditioner_ = rigid_aggregates;
   if (may_change_) methods_->warped.analyze(pattern, rest, symbolic);
 }
@@ -229,7 +229,7 @@ MemoryUse AutoSolver<Scalar>::memory() const {
 template <std::floating_point Scalar>
 SolveReport AutoSolver<Scalar>::solve(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor) {
   if (method_ == SolverMethod::cholesky) return solve_directly(system, x, executor);
-  if (may_change_ && watch_.begins(system.era)) preconditioner_ = PreconditionerKind::rigid_aggregates;
+  if (may_change_ && watch_.begins(system.lag_key)) preconditioner_ = PreconditionerKind::rigid_aggregates;
   if (preconditioner_ == PreconditionerKind::warped_cholesky) return solve_by(methods_->warped, system, x, executor);
   if (preconditioner_ == PreconditionerKind::rigid_aggregates) {
     const SolveReport report = solve_by(methods_->rigid, system, x, executor);

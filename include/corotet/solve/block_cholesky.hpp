@@ -161,7 +161,7 @@ class BlockCholesky {
  private:
   static constexpr std::size_t block_size = std::size_t{B} * B;
   static constexpr std::size_t padding = width;  // numbers that are read behind the last block
-  using Segment = Register<Scalar, int{width}>;
+  using Segment = SimdVec<Scalar, int{width}>;
 
   [[nodiscard]] detail::Buffer<double> copy_of_values() const {
     detail::Buffer<double> copy = value_.without_values();
@@ -216,7 +216,7 @@ class BlockCholesky {
     }
   }
 
-  using Column = Register<double, 4>;  // of a 3x3 block, and one number more
+  using Column = SimdVec<double, 4>;  // of a 3x3 block, and one number more
   COROTET_ALWAYS_INLINE void subtract_product(Index p, const Block& factor, std::array<Column, 3>& sum) const {
     const double* const source = value_.data() + block_size * at(p);
     COROTET_UNROLL

@@ -7,7 +7,7 @@
 #include <corotet/core/memory_use.hpp>
 #include <corotet/core/register.hpp>
 #include <corotet/core/types.hpp>
-#include <corotet/solve/range_sum.hpp>
+#include <corotet/solve/deterministic_reduction.hpp>
 #include <corotet/solve/solver.hpp>
 #include <memory>
 
@@ -25,11 +25,11 @@ class BlockJacobi {
 
   void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& /*rest*/) {
     inverse_ = detail::Scratch<Inverse>(at(pattern->rows()));
-    sum_ = RangeSum(pattern->rows());
+    sum_ = DeterministicSum(pattern->rows());
   }
 
   void update(const StepSystem<Scalar>& system, ExecutorRef executor) {
-    for_ranges(executor, size_of(inverse_), RangeSum::grain, [&](Index begin, Index end) {
+    for_ranges(executor, size_of(inverse_), DeterministicSum::grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) {
         inverse_[at(i)] = Inverse::Zero();
         inverse_[at(i)].set_block(0, 0, inverse(system.matrix.diagonal(i)));
@@ -45,10 +45,10 @@ class BlockJacobi {
   }
 
   /// D^-1 r of one vertex.
-  [[nodiscard]] COROTET_ALWAYS_INLINE Quad<Scalar> apply_to(Index vertex, const PaddedVector<Scalar>& r) const {
+  [[nodiscard]] COROTET_ALWAYS_INLINE Vec4<Scalar> apply_to(Index vertex, const PaddedVector<Scalar>& r) const {
     const Scalar* d = inverse_[at(vertex)].data();
-    return Quad<Scalar>::load(d) * Quad<Scalar>(r[0]) + Quad<Scalar>::load(d + 4) * Quad<Scalar>(r[1]) +
-           Quad<Scalar>::load(d + 8) * Quad<Scalar>(r[2]);
+    return Vec4<Scalar>::load(d) * Vec4<Scalar>(r[0]) + Vec4<Scalar>::load(d + 4) * Vec4<Scalar>(r[1]) +
+           Vec4<Scalar>::load(d + 8) * Vec4<Scalar>(r[2]);
   }
 
   [[nodiscard]] MemoryUse memory() const { return MemoryUse{bytes_of(inverse_), 0} + sum_.memory(); }
@@ -68,7 +68,7 @@ class BlockJacobi {
 
   bool whole_blocks_ = true;
   detail::Scratch<Inverse> inverse_;
-  RangeSum sum_;
+  DeterministicSum sum_;
 };
 
 }  // namespace corotet::inline v0_1

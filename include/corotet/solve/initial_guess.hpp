@@ -9,7 +9,7 @@
 #include <corotet/core/register.hpp>
 #include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
-#include <corotet/solve/range_sum.hpp>
+#include <corotet/solve/deterministic_reduction.hpp>
 #include <corotet/solve/step_system.hpp>
 #include <cstddef>
 #include <utility>
@@ -49,7 +49,7 @@ class InitialGuess {
       return part;
     });
     const Combination c = nearest(sums);
-    for_ranges(executor, size_of(x), RangeSum::grain, [&](Index begin, Index end) {
+    for_ranges(executor, size_of(x), DeterministicSum::grain, [&](Index begin, Index end) {
       static_assert(depth == 2);
       const auto a = static_cast<Scalar>(c.factor[0]), b = static_cast<Scalar>(c.factor[1]);
       map_range(
@@ -73,7 +73,7 @@ class InitialGuess {
  private:
   /// For each k: x_k . A x_l for l <= k, then x_k . b
   static constexpr std::size_t sum_count = depth * (depth + 1) / 2 + depth;
-  using Sums = typename RangeSums<sum_count>::Sums;
+  using Sums = typename DeterministicReduction<sum_count>::Sums;
 
   struct Combination {
     std::array<double, depth> factor{};
@@ -123,7 +123,7 @@ class InitialGuess {
 
   /// Rows [begin, end) of all products, for one read of the matrix.
   void multiply(const BlockMatrix<Scalar>& matrix, const Products& product, Index begin, Index end) const {
-    using Q = Quad<Scalar>;
+    using Q = Vec4<Scalar>;
     const BlockPattern& p = matrix.pattern();
     for (Index i = begin; i < end; ++i) {
       std::array<Q, 3 * depth> sum;
@@ -144,7 +144,7 @@ class InitialGuess {
   }
 
   std::array<PaddedField<Scalar>, depth> last_;
-  RangeSums<sum_count> sums_;
+  DeterministicReduction<sum_count> sums_;
 };
 
 }  // namespace corotet::inline v0_1

@@ -11,10 +11,10 @@ namespace corotet::inline v0_1 {
 class IterationWatch {
  public:
   /// True if the system changed for other reasons than motion since the last call (StepSystem::era).
-  [[nodiscard]] bool begins(std::uint64_t era) {
-    if (era == era_) return false;
+  [[nodiscard]] bool begins(std::uint64_t lag_key) {
+    if (lag_key == lag_key_) return false;
     *this = {};
-    era_ = era;
+    lag_key_ = lag_key;
     return true;
   }
 
@@ -32,13 +32,13 @@ class IterationWatch {
   }
 
   void visit_state(detail::StateArchive& archive) {
-    archive(era_);
+    archive(lag_key_);
     archive(solves_);
     archive(sum_);
   }
 
  private:
-  std::uint64_t era_ = 0;  // no system has era 0
+  std::uint64_t lag_key_ = 0;  // no system has era 0
   int solves_ = 0, sum_ = 0;
 };
 

@@ -11,8 +11,8 @@
 #include <corotet/core/register.hpp>
 #include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
+#include <corotet/solve/deterministic_reduction.hpp>
 #include <corotet/solve/initial_guess.hpp>
-#include <corotet/solve/range_sum.hpp>
 #include <corotet/solve/solver.hpp>
 #include <cstddef>
 #include <limits>
@@ -96,7 +96,7 @@ class Pcg {
       return report;
     }
     report.residual = energy > 0 ? std::sqrt(std::fabs(error2) / energy) : 0;
-    for_ranges(executor, size_of(x), RangeSum::grain, [&](Index begin, Index end) {
+    for_ranges(executor, size_of(x), DeterministicSum::grain, [&](Index begin, Index end) {
       for (Index v = begin; v < end; ++v) x[at(v)] = x_[at(v)].vector();
     });
     guess_.remember(x_);
@@ -115,7 +115,7 @@ class Pcg {
     detail::RecentGains<PreconditionerRef<Scalar>::max_estimator_delay> gains(preconditioner.estimator_delay());
     // What the recursion has left below this is rounding: a small system is solved before the gains tell.
     constexpr auto rounding = static_cast<double>(std::numeric_limits<Scalar>::epsilon()) / 4;
-    for_ranges(executor, size_of(r_), RangeSum::grain, [&](Index begin, Index end) {
+    for_ranges(executor, size_of(r_), DeterministicSum::grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) p_[at(i)] = z_[at(i)];
     });
     while ((std::max)(rz, gains.sum()) > wanted * energy && rz > rounding * rounding * energy) {
@@ -134,7 +134,7 @@ class Pcg {
         return;
       }
       const auto alpha = static_cast<Scalar>(rz / curvature);
-      for_ranges(executor, size_of(r_), RangeSum::grain, [&](Index begin, Index end) {
+      for_ranges(executor, size_of(r_), DeterministicSum::grain, [&](Index begin, Index end) {
         map_range(
             begin, end, x_, [=](auto x, auto p) { return x + alpha * p; }, x_, p_);
         map_range(
@@ -149,7 +149,7 @@ class Pcg {
         return;
       }
       const auto beta = static_cast<Scalar>(rz_next / rz);
-      for_ranges(executor, size_of(r_), RangeSum::grain, [&](Index begin, Index end) {
+      for_ranges(executor, size_of(r_), DeterministicSum::grain, [&](Index begin, Index end) {
         map_range(
             begin, end, p_, [=](auto z, auto p) { return z + beta * p; }, z_, p_);
       });
@@ -159,17 +159,17 @@ class Pcg {
 
   /// r_ = b - A x_.
   void measure(const StepSystem<Scalar>& system, ExecutorRef executor) {
-    for_ranges(executor, size_of(r_), RangeSum::grain, [&](Index begin, Index end) {
+    for_ranges(executor, size_of(r_), DeterministicSum::grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) {
         r_[at(i)].set(system.right_side[at(i)]);
-        r_[at(i)].set(r_[at(i)].quad() - system.matrix.row_product(i, x_));
+        r_[at(i)].set(r_[at(i)].vec4() - system.matrix.row_product(i, x_));
       }
     });
   }
 
   detail::Scratch<PaddedVector<Scalar>> x_, r_, z_, p_;
   InitialGuess<Scalar> guess_;
-  RangeSum sum_;
+  DeterministicSum sum_;
 };
 
 }  // namespace corotet::inline v0_1

@@ -15,15 +15,15 @@ namespace corotet::inline v0_1 {
 class RefactorizationPolicy {
  public:
   /// True if the factor shall be made now. To be called once a solve, before it.
-  [[nodiscard]] bool should_refactor(std::uint64_t era) {
+  [[nodiscard]] bool should_refactor(std::uint64_t lag_key) {
     const int last = applications_;
     applications_ = 0;
     ++age_;
-    const bool first = era_ != era;
+    const bool first = lag_key_ != lag_key;
     if (!first && last > 0) fewest_ = fewest_ == 0 ? last : (std::min)(fewest_, last);
-    const bool worn = age_ >= least_age && last > fewest_ + (std::max)(fewest_ / 2, 4);
+    const bool worn = age_ >= min_age && last > fewest_ + (std::max)(fewest_ / 2, 4);
     if (!first && !worn) return false;
-    era_ = era;
+    lag_key_ = lag_key;
     age_ = 0;
     fewest_ = 0;
     return true;
@@ -35,22 +35,22 @@ class RefactorizationPolicy {
   static constexpr std::array<double, 3> shifts{0, 1e-6, 1e-3};
 
   /// The factor could not be made: the next call asks for it again.
-  void failed() { era_ = 0; }
+  void failed() { lag_key_ = 0; }
 
   /// To be called at each application.
   void count() { ++applications_; }
 
   void visit_state(detail::StateArchive& archive) {
-    archive(era_);
+    archive(lag_key_);
     archive(age_);
     archive(applications_);
     archive(fewest_);
   }
 
  private:
-  static constexpr int least_age = 50;  // solves
+  static constexpr int min_age = 50;  // solves
 
-  std::uint64_t era_ = 0;  // no system has era 0
+  std::uint64_t lag_key_ = 0;  // no system has era 0
   int age_ = 0, applications_ = 0, fewest_ = 0;
 };
 

@@ -7,7 +7,7 @@
 #include <corotet/core/executor.hpp>
 #include <corotet/core/memory_use.hpp>
 #include <corotet/core/types.hpp>
-#include <corotet/solve/range_sum.hpp>
+#include <corotet/solve/deterministic_reduction.hpp>
 #include <corotet/solve/solver.hpp>
 
 namespace corotet::inline v0_1 {
@@ -40,7 +40,7 @@ class Refinement {
           std::sqrt(sum_(executor, [&](Index i, Index j) { return range_dot(residual_, residual_, i, j); }) / size);
       if (!std::isfinite(report.residual)) return {SolveStatus::breakdown, report.iterations, 1.0};
       if (report.residual <= tolerance) return report;
-      if (report.iterations == most_corrections) {
+      if (report.iterations == max_corrections) {
         report.status = SolveStatus::stagnated;
         return report;
       }
@@ -53,10 +53,10 @@ class Refinement {
   }
 
  private:
-  static constexpr int most_corrections = 3;  // each gains the digits that the factor has: more would gain nothing
+  static constexpr int max_corrections = 3;  // each gains the digits that the factor has: more would gain nothing
 
   Field<Scalar> residual_, correction_;
-  RangeSum sum_;
+  DeterministicSum sum_;
 };
 
 }  // namespace corotet::inline v0_1

@@ -50,8 +50,8 @@ class RigidAggregates {
   /// larger ones, of up to 60, keep the coarse solve short, which only one thread does; beyond that a level between is
   /// cheaper. (Measured on the beams of docs/benchmarks/speed.md.)
   [[nodiscard]] static Sizes sizes_for(Index vertices) {
-    constexpr Index least = 27, most = 60, most_coupled = 1000;
-    if (vertices > most * most_coupled) return {vertices / least, std::min<Index>(vertices / 230, 2000)};
+    constexpr Index least = 27, most = 60, max_coupled = 1000;
+    if (vertices > most * max_coupled) return {vertices / least, std::min<Index>(vertices / 230, 2000)};
     return {vertices / std::clamp<Index>(vertices / 150, least, most), 0};
   }
 
@@ -78,7 +78,7 @@ class RigidAggregates {
 
   void update(const StepSystem<Scalar>& system, ExecutorRef executor) {
     smoother_.update(system, executor);
-    const bool refactor = policy_.should_refactor(system.era);
+    const bool refactor = policy_.should_refactor(system.lag_key);
     if (refactor) motion_.pin(hierarchy(), system.pinned);
     motion_.place(hierarchy(), system.displacement, executor);
     if (refactor) factorize(system.matrix, executor);
@@ -215,7 +215,7 @@ class RigidAggregates {
 
   /// z = D^-1 r on the aggregate, and the force and torque of r on it; returns r . z.
   [[nodiscard]] double smooth_and_gather(Index aggregate, const PaddedField<Scalar>& r, PaddedField<Scalar>& z) {
-    using Q = Quad<Scalar>;
+    using Q = Vec4<Scalar>;
     // Column c: sum of (offset, 1) r_c. The last row is the force; the torque is the antisymmetric part of the rest.
     std::array<Q, 3> column{Q(Scalar(0)), Q(Scalar(0)), Q(Scalar(0))};
     Q product(Scalar(0));
@@ -223,8 +223,8 @@ class RigidAggregates {
       const PaddedVector<Scalar>& rv = r[at(v)];
       const Q smooth = smoother_.apply_to(v, rv);
       z[at(v)].set(smooth);
-      product += smooth * rv.quad();
-      const Q offset = motion_.offset[at(v)].quad();
+      product += smooth * rv.vec4();
+      const Q offset = motion_.offset[at(v)].vec4();
       COROTET_UNROLL
       for (std::size_t c = 0; c < 3; ++c) column[c] += offset * Q(rv[c]);
     }
@@ -240,7 +240,7 @@ class RigidAggregates {
 
   /// z += t + w x offset.
   void scatter(Index aggregate, PaddedField<Scalar>& z) const {
-    using Q = Quad<Scalar>;
+    using Q = Vec4<Scalar>;
     const SixVector<Scalar>& m = answer_[at(aggregate)];
     const auto column = [](Scalar x, Scalar y, Scalar zz) {
       const std::array<Scalar, 4> c{x, y, zz, Scalar(0)};
@@ -250,7 +250,7 @@ class RigidAggregates {
             t = column(m[0], m[1], m[2]);
     for (const Index v : hierarchy().vertices_of(aggregate)) {
       const PaddedVector<Scalar>& d = motion_.offset[at(v)];
-      z[at(v)].set(z[at(v)].quad() + x * Q(d[0]) + y * Q(d[1]) + w * Q(d[2]) + t * Q(d[3]));
+      z[at(v)].set(z[at(v)].vec4() + x * Q(d[0]) + y * Q(d[1]) + w * Q(d[2]) + t * Q(d[3]));
     }
   }
 

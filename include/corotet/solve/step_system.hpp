@@ -20,8 +20,8 @@ struct StepSystem {
   /// Vertices whose equations stand alone, with zero on the right side.
   std::span<const Index> pinned;
   /// > 0. Another number means that the matrix changed for other reasons than the displacement: a far longer or shorter
-  /// step, other damping, other materials, other pins. See SystemEra.
-  std::uint64_t era = 0;
+  /// step, other damping, other materials, other pins. See LagKey.
+  std::uint64_t lag_key = 0;
 };
 
 }  // namespace corotet::inline v0_1

@@ -12,7 +12,7 @@
 #include <corotet/core/state_archive.hpp>
 #include <corotet/core/types.hpp>
 #include <corotet/solve/block_cholesky.hpp>
-#include <corotet/solve/range_sum.hpp>
+#include <corotet/solve/deterministic_reduction.hpp>
 #include <corotet/solve/refactorization_policy.hpp>
 #include <corotet/solve/rotation_of_points.hpp>
 #include <corotet/solve/solver.hpp>
@@ -49,13 +49,13 @@ class WarpedCholesky {
     rest_ = detail::Shared<PaddedField<Scalar>>::make(std::move(padded));
     cholesky_.analyze(std::move(symbolic));
     rotation_ = detail::Scratch<Mat3<Scalar>>(rest.size());
-    sum_ = RangeSum(size_of(rest));
+    sum_ = DeterministicSum(size_of(rest));
   }
 
   void update(const StepSystem<Scalar>& system, ExecutorRef executor) {
     if (!cholesky_.is_ready()) return;
     turn(system.displacement, executor);
-    if (!policy_.should_refactor(system.era)) return;
+    if (!policy_.should_refactor(system.lag_key)) return;
     for (const double shift : RefactorizationPolicy::shifts)
       if (factorize(system.matrix, shift, executor)) return;
     policy_.failed();
@@ -65,7 +65,7 @@ class WarpedCholesky {
     if (!cholesky_.has_factor()) return std::numeric_limits<double>::quiet_NaN();
     policy_.count();
     const std::vector<Index>& place = cholesky_.symbolic().place;
-    for_ranges(executor, size_of(r), RangeSum::grain, [&](Index begin, Index end) {
+    for_ranges(executor, size_of(r), DeterministicSum::grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) {
         const Columns column = columns(rotation_[at(i)]);
         product(transposed(column[0], column[1], column[2]), r[at(i)]).store(cholesky_.segment(place[at(i)]));
@@ -92,7 +92,7 @@ class WarpedCholesky {
   }
 
  private:
-  using Q = Quad<Scalar>;
+  using Q = Vec4<Scalar>;
   using Columns = std::array<Q, 3>;
 
   /// Of a matrix, each with a number without meaning behind it.
@@ -108,7 +108,7 @@ class WarpedCholesky {
   COROTET_COLD bool factorize(const BlockMatrix<Scalar>& matrix, double shift, ExecutorRef executor) {
     const BlockPattern& p = *pattern_;
     cholesky_.begin();
-    for_ranges(executor, p.rows(), RangeSum::grain, [&](Index begin, Index end) {
+    for_ranges(executor, p.rows(), DeterministicSum::grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) {
         const Mat3<Scalar> back = rotation_[at(i)].transpose();
         for (Index k = p.row_start[at(i)]; k < p.row_start[at(i) + 1]; ++k) {
@@ -128,22 +128,22 @@ class WarpedCholesky {
     const BlockPattern& p = *pattern_;
     const PaddedField<Scalar>& rest_positions = *rest_;
     const auto place = [&](Index i) { return Q::load(cholesky_.segment(i)); };  // free outside a solve
-    for_ranges(executor, p.rows(), RangeSum::grain, [&](Index begin, Index end) {
+    for_ranges(executor, p.rows(), DeterministicSum::grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) {
         PaddedVector<Scalar> moved;
         moved.set(rest_positions[at(i)].vector() + displacement[at(i)]);
-        moved.quad().store(cholesky_.segment(i));
+        moved.vec4().store(cholesky_.segment(i));
       }
     });
-    for_ranges(executor, p.rows(), RangeSum::grain, [&](Index begin, Index end) {
+    for_ranges(executor, p.rows(), DeterministicSum::grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) {
-        const Q rest = rest_positions[at(i)].quad(), here = place(i);
+        const Q rest = rest_positions[at(i)].vec4(), here = place(i);
         Columns moment{Q(Scalar(0)), Q(Scalar(0)), Q(Scalar(0))};
         for (Index k = p.row_start[at(i)]; k < p.row_start[at(i) + 1]; ++k) {
           const Index j = p.column[at(k)];
           const Q now = place(j) - here;
           PaddedVector<Scalar> edge;
-          edge.set(rest_positions[at(j)].quad() - rest);
+          edge.set(rest_positions[at(j)].vec4() - rest);
           COROTET_UNROLL
           for (std::size_t c = 0; c < 3; ++c) moment[c] += now * Q(edge[c]);
         }
@@ -160,7 +160,7 @@ class WarpedCholesky {
   detail::Scratch<Mat3<Scalar>> rotation_;    // of each vertex, as `update` found it
   BlockCholesky<Scalar> cholesky_;
   RefactorizationPolicy policy_;
-  RangeSum sum_;
+  DeterministicSum sum_;
 };
 
 }  // namespace corotet::inline v0_1

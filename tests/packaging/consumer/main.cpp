@@ -17,7 +17,7 @@ int main() {
   corotet::ImplicitEuler euler(*body);
   if (!euler.step(*body, 0.1f).ok()) return 5;
   if (body->displacements()[0].y() != fall_in_other(0.1f)) return 6;
-  if (euler.step(*body, -1.0f).refusal != corotet::Refusal::time_step) return 7;
+  if (euler.step(*body, -1.0f).error != corotet::StepError::time_step) return 7;
   std::printf("corotet %d.%d.%d\n", COROTET_VERSION_MAJOR, COROTET_VERSION_MINOR, COROTET_VERSION_PATCH);
   return 0;
 }

@@ -69,7 +69,7 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 
   /// The least that one of them takes: lists may be empty.
-  [[nodiscard]] std::size_t least_bytes() const {
+  [[nodiscard]] std::size_t min_bytes() const {
     std::size_t bytes = 0;
     for (const PlyProperty& p : properties) bytes += byte_size(p.is_list() ? p.count_type : p.type);
     return bytes;

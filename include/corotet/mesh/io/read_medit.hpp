@@ -3,7 +3,7 @@
 
 #include <array>
 #include <corotet/core/result.hpp>
-#include <corotet/mesh/io/tet_sink.hpp>
+#include <corotet/mesh/io/tet_mesh_builder.hpp>
 #include <corotet/mesh/io/text_scanner.hpp>
 #include <corotet/mesh/mesh_data.hpp>
 #include <limits>
@@ -22,7 +22,7 @@ inline int read_medit_reference(TextScanner& in) {
       in.integer("a reference", (std::numeric_limits<int>::min)(), (std::numeric_limits<int>::max)()));
 }
 
-inline void read_medit_tets(TextScanner& in, TetSink& sink, VertexRange range, std::size_t size) {
+inline void read_medit_tets(TextScanner& in, TetMeshBuilder& sink, VertexRange range, std::size_t size) {
   const std::size_t count = in.count("tetrahedra", size + 1);
   if (!in.ok() || count == 0 || !sink.begin(in, static_cast<int>(size))) return;
   for (std::size_t i = 0; i < count && in.ok(); ++i) {
@@ -34,7 +34,7 @@ inline void read_medit_tets(TextScanner& in, TetSink& sink, VertexRange range, s
 }
 
 /// Skips the numbers of a section that is not needed.
-inline void skip_medit_section(TextScanner& in, TetSink& sink, std::string_view keyword) {
+inline void skip_medit_section(TextScanner& in, TetMeshBuilder& sink, std::string_view keyword) {
   const bool surface =
       keyword.substr(0, 8) == "Triangle" || keyword.substr(0, 5) == "Edges" || keyword.substr(0, 13) == "Quadrilateral";
   const bool volume = keyword.substr(0, 9) == "Hexahedra" || keyword.substr(0, 6) == "Prisms" ||
@@ -49,7 +49,7 @@ inline void skip_medit_section(TextScanner& in, TetSink& sink, std::string_view 
 /// Other sections are skipped. Binary .meshb is `unsupported`.
 [[nodiscard]] inline Result<MeshData> read_medit(std::string_view text, std::string_view name) {
   detail::TextScanner in(text, name, {.comment = '#'});
-  detail::TetSink sink;
+  detail::TetMeshBuilder sink;
   detail::VertexRange range{1, 0};
   bool ended = false, has_vertices = false;
   in.expect("MeshVersionFormatted");

@@ -6,7 +6,7 @@
 #include <corotet/mesh/io/msh_input.hpp>
 #include <corotet/mesh/io/read_msh_22.hpp>
 #include <corotet/mesh/io/read_msh_41.hpp>
-#include <corotet/mesh/io/tet_sink.hpp>
+#include <corotet/mesh/io/tet_mesh_builder.hpp>
 #include <corotet/mesh/mesh_data.hpp>
 #include <string>
 #include <string_view>
@@ -45,7 +45,7 @@ inline int read_msh_format(MshInput& in) {
 /// Other elements are left out and counted in `notes`. Vertices keep the file's order, whatever their tags.
 [[nodiscard]] inline Result<MeshData> read_msh(std::string_view bytes, std::string_view name) {
   detail::MshInput in(bytes, name);
-  detail::TetSink sink;
+  detail::TetMeshBuilder sink;
   detail::MshRegions regions;
   int version = 0;
   while (in.ok() && !in.text.at_end()) {

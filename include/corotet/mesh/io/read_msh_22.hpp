@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <corotet/mesh/io/msh_input.hpp>
-#include <corotet/mesh/io/tet_sink.hpp>
+#include <corotet/mesh/io/tet_mesh_builder.hpp>
 
 namespace corotet::inline v0_1::detail {
 
-inline void read_msh22_nodes(MshInput& in, TetSink& sink) {
+inline void read_msh22_nodes(MshInput& in, TetMeshBuilder& sink) {
   const std::size_t count = in.text.count("nodes", 4);
   in.begin_data();
   in.tags.reserve(count);
@@ -21,7 +21,7 @@ inline void read_msh22_nodes(MshInput& in, TetSink& sink) {
 }
 
 /// One element after its header. Returns true if it repeats the element before it.
-inline bool read_msh22_tet(MshInput& in, TetSink& sink, std::int64_t type, std::int64_t tags) {
+inline bool read_msh22_tet(MshInput& in, TetMeshBuilder& sink, std::int64_t type, std::int64_t tags) {
   int region = 0;
   for (std::int64_t t = 0; t < tags && in.ok(); ++t) {
     const auto tag = static_cast<int>(in.integer("an element tag"));
@@ -41,7 +41,7 @@ inline bool read_msh22_tet(MshInput& in, TetSink& sink, std::int64_t type, std::
   return true;
 }
 
-inline void read_msh22_elements(MshInput& in, TetSink& sink) {
+inline void read_msh22_elements(MshInput& in, TetMeshBuilder& sink) {
   const std::size_t count = in.text.count("elements", 4);
   in.begin_data();
   std::size_t done = 0, repeated = 0;

@@ -3,7 +3,7 @@
 
 #include <array>
 #include <corotet/mesh/io/msh_input.hpp>
-#include <corotet/mesh/io/tet_sink.hpp>
+#include <corotet/mesh/io/tet_mesh_builder.hpp>
 #include <map>
 
 namespace corotet::inline v0_1::detail {
@@ -44,7 +44,7 @@ inline void read_msh41_entities(MshInput& in, MshRegions& regions, bool partitio
   in.end_data(partitioned ? "$EndPartitionedEntities" : "$EndEntities");
 }
 
-inline void read_msh41_nodes(MshInput& in, TetSink& sink) {
+inline void read_msh41_nodes(MshInput& in, TetMeshBuilder& sink) {
   in.begin_data();
   const std::size_t blocks = in.count("node blocks", 4, 20), total = in.count("nodes", 4, 32);
   in.size("the least node number");
@@ -76,7 +76,7 @@ inline void read_msh41_nodes(MshInput& in, TetSink& sink) {
 }
 
 /// The elements of one block, which are all of the same type.
-inline void read_msh41_block(MshInput& in, TetSink& sink, std::int64_t type, std::size_t count, int region) {
+inline void read_msh41_block(MshInput& in, TetMeshBuilder& sink, std::int64_t type, std::size_t count, int region) {
   const MshElementType known = msh_element_type(type);
   if (type != msh_tet4 && type != msh_tet10) {
     sink.ignore(known.dimension == 3, count);
@@ -99,7 +99,7 @@ inline void read_msh41_block(MshInput& in, TetSink& sink, std::int64_t type, std
   }
 }
 
-inline void read_msh41_elements(MshInput& in, TetSink& sink, const MshRegions& regions) {
+inline void read_msh41_elements(MshInput& in, TetMeshBuilder& sink, const MshRegions& regions) {
   in.begin_data();
   const std::size_t blocks = in.count("element blocks", 4, 20), total = in.count("elements", 2, 16);
   in.size("the least element number");

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <corotet/core/result.hpp>
-#include <corotet/mesh/io/surface_sink.hpp>
+#include <corotet/mesh/io/surface_mesh_builder.hpp>
 #include <corotet/mesh/io/text_scanner.hpp>
 #include <corotet/mesh/surface_mesh.hpp>
 #include <cstdint>
@@ -153,7 +153,7 @@ class ObjReader {
   static constexpr std::int64_t greatest = (std::numeric_limits<std::int64_t>::max)();
 
   TextScanner in_;
-  SurfaceSink sink_;
+  SurfaceMeshBuilder sink_;
   Field<double> normals_;
   std::vector<Index> corners_;
   std::vector<std::pair<Index, Index>> corner_normals_;  // vertex, normal

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <corotet/core/result.hpp>
-#include <corotet/mesh/io/surface_sink.hpp>
+#include <corotet/mesh/io/surface_mesh_builder.hpp>
 #include <corotet/mesh/io/text_scanner.hpp>
 #include <corotet/mesh/surface_mesh.hpp>
 #include <string>
@@ -41,7 +41,7 @@ inline OffHeader parse_off_keyword(std::string_view word) {
 /// face a line; what follows on the line is ignored. Other dimensions and binary files are `unsupported`.
 [[nodiscard]] inline Result<SurfaceMesh> read_off(std::string_view text, std::string_view name) {
   detail::TextScanner in(text, name, {.comment = '#'});
-  detail::SurfaceSink sink;
+  detail::SurfaceMeshBuilder sink;
   const std::string_view keyword = in.token();
   const detail::OffHeader header = detail::parse_off_keyword(keyword);
   if (!header.valid) in.fail("expected 'OFF', found " + detail::quoted(keyword));

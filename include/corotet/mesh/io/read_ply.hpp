@@ -5,7 +5,7 @@
 #include <corotet/core/result.hpp>
 #include <corotet/mesh/io/byte_reader.hpp>
 #include <corotet/mesh/io/ply_header.hpp>
-#include <corotet/mesh/io/surface_sink.hpp>
+#include <corotet/mesh/io/surface_mesh_builder.hpp>
 #include <corotet/mesh/io/text_scanner.hpp>
 #include <corotet/mesh/surface_mesh.hpp>
 #include <cstdint>
@@ -75,7 +75,7 @@ class PlyBytes {
   }
   void skip(PlyType type, std::size_t count) { in_.skip(count * byte_size(type), "the data"); }
   bool fits(std::size_t items, std::string_view what, const PlyElement& element) {
-    return in_.fits(items, what, element.least_bytes());
+    return in_.fits(items, what, element.min_bytes());
   }
   bool fits_list(std::int64_t items, PlyType type) {
     if (in_.ok() && items < 0) in_.fail("a list has " + std::to_string(items) + " entries");
@@ -102,7 +102,7 @@ void skip_ply_property(Data& in, const PlyProperty& property) {
 }
 
 template <class Data>
-void read_ply_vertices(Data& in, const PlyElement& element, SurfaceSink& sink) {
+void read_ply_vertices(Data& in, const PlyElement& element, SurfaceMeshBuilder& sink) {
   constexpr std::array<std::string_view, 6> names{"x", "y", "z", "nx", "ny", "nz"};
   std::array<int, 6> columns{};
   for (std::size_t k = 0; k < 6; ++k) columns[k] = find_property(element, names[k]);
@@ -129,7 +129,7 @@ void read_ply_vertices(Data& in, const PlyElement& element, SurfaceSink& sink) {
 }
 
 template <class Data>
-void read_ply_faces(Data& in, const PlyElement& element, std::size_t vertex_count, SurfaceSink& sink) {
+void read_ply_faces(Data& in, const PlyElement& element, std::size_t vertex_count, SurfaceMeshBuilder& sink) {
   int column = find_property(element, "vertex_indices");
   if (column < 0) column = find_property(element, "vertex_index");
   if (column < 0) return in.fail("its faces have no property 'vertex_indices'");
@@ -154,7 +154,7 @@ void read_ply_faces(Data& in, const PlyElement& element, std::size_t vertex_coun
 }
 
 template <class Data>
-void read_ply_data(Data& in, const PlyHeader& header, SurfaceSink& sink) {
+void read_ply_data(Data& in, const PlyHeader& header, SurfaceMeshBuilder& sink) {
   const PlyElement* vertices = header.find("vertex");
   if (vertices == nullptr) return in.fail("it has no element 'vertex'");
   if (header.find("face") == nullptr && header.find("tristrips") != nullptr)
@@ -184,7 +184,7 @@ void read_ply_data(Data& in, const PlyHeader& header, SurfaceSink& sink) {
   detail::TextScanner in(bytes, name);
   const detail::PlyHeader header = detail::read_ply_header(in);
   if (!in.ok()) return in.error();
-  detail::SurfaceSink sink;
+  detail::SurfaceMeshBuilder sink;
   if (header.text) {
     detail::PlyText data(in);
     detail::read_ply_data(data, header, sink);

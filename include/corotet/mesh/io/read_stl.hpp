@@ -4,7 +4,7 @@
 #include <array>
 #include <corotet/core/result.hpp>
 #include <corotet/mesh/io/byte_reader.hpp>
-#include <corotet/mesh/io/surface_sink.hpp>
+#include <corotet/mesh/io/surface_mesh_builder.hpp>
 #include <corotet/mesh/io/text_scanner.hpp>
 #include <corotet/mesh/surface_mesh.hpp>
 #include <cstdint>
@@ -47,13 +47,13 @@ inline void expect_stl(TextScanner& in, std::string_view keyword) {
     in.fail("expected " + quoted(keyword) + ", found " + (found.empty() ? "the end of the file" : quoted(found)));
 }
 
-inline void add_stl_triangle(SurfaceSink& sink, auto& in, const std::array<Vec3<double>, 3>& corners) {
+inline void add_stl_triangle(SurfaceMeshBuilder& sink, auto& in, const std::array<Vec3<double>, 3>& corners) {
   const Index first = size_of(sink.mesh.positions);
   for (const Vec3<double>& x : corners) sink.add_vertex(in, x);
   if (in.ok()) sink.mesh.triangles.push_back({first, first + 1, first + 2});
 }
 
-inline void read_text_stl(TextScanner& in, SurfaceSink& sink) {
+inline void read_text_stl(TextScanner& in, SurfaceMeshBuilder& sink) {
   int solids = 0;
   while (in.ok() && !in.at_end()) {
     expect_stl(in, "solid");
@@ -84,7 +84,7 @@ inline void read_text_stl(TextScanner& in, SurfaceSink& sink) {
   if (solids > 1) sink.note("joined " + std::to_string(solids) + " solids");
 }
 
-inline void read_binary_stl(ByteReader& in, SurfaceSink& sink) {
+inline void read_binary_stl(ByteReader& in, SurfaceMeshBuilder& sink) {
   in.skip(stl_header_bytes, "the header");
   const std::size_t triangles = in.count<std::uint32_t>("triangles", stl_triangle_bytes);
   if (in.ok()) sink.mesh.positions.reserve(3 * triangles);
@@ -105,7 +105,7 @@ inline void read_binary_stl(ByteReader& in, SurfaceSink& sink) {
 
 /// The triangles of an .stl file. Vertices at exactly the same place become one; the normals in the file are ignored.
 [[nodiscard]] inline Result<SurfaceMesh> read_stl(std::string_view bytes, std::string_view name) {
-  detail::SurfaceSink sink;
+  detail::SurfaceMeshBuilder sink;
   if (detail::is_text_stl(bytes)) {
     detail::TextScanner in(bytes, name);
     detail::read_text_stl(in, sink);

@@ -7,7 +7,7 @@
 #include <corotet/core/file_path.hpp>
 #include <corotet/core/result.hpp>
 #include <corotet/mesh/io/file_bytes.hpp>
-#include <corotet/mesh/io/tet_sink.hpp>
+#include <corotet/mesh/io/tet_mesh_builder.hpp>
 #include <corotet/mesh/io/text_scanner.hpp>
 #include <corotet/mesh/mesh_data.hpp>
 #include <limits>
@@ -19,7 +19,7 @@ namespace corotet::inline v0_1 {
 namespace detail {
 
 /// Points with their attributes and boundary markers, which are skipped. Numbers start at 0 or 1: the first one tells.
-inline VertexRange read_tetgen_nodes(TextScanner& in, TetSink& sink) {
+inline VertexRange read_tetgen_nodes(TextScanner& in, TetMeshBuilder& sink) {
   VertexRange range;
   range.count = in.count("points", 4);
   const std::int64_t dimension = in.integer("the dimension");
@@ -41,7 +41,7 @@ inline VertexRange read_tetgen_nodes(TextScanner& in, TetSink& sink) {
   return range;
 }
 
-inline void read_tetgen_elements(TextScanner& in, TetSink& sink, VertexRange range) {
+inline void read_tetgen_elements(TextScanner& in, TetMeshBuilder& sink, VertexRange range) {
   const std::size_t count = in.count("tetrahedra", 5);
   const std::int64_t size = in.integer("the number of nodes of a tetrahedron");
   const std::int64_t attributes = in.integer("the number of attributes", 0, (std::numeric_limits<int>::max)());
@@ -72,7 +72,7 @@ inline void read_tetgen_elements(TextScanner& in, TetSink& sink, VertexRange ran
 /// Tetrahedra of 4 or 10 nodes from the contents of a .node and a .ele file. Regions are the first attribute.
 [[nodiscard]] inline Result<MeshData> read_tetgen(std::string_view node_text, std::string_view ele_text,
                                                   std::string_view node_name, std::string_view ele_name) {
-  detail::TetSink sink;
+  detail::TetMeshBuilder sink;
   detail::TextScanner nodes(node_text, node_name, {.comment = '#'});
   const detail::VertexRange range = detail::read_tetgen_nodes(nodes, sink);
   if (!nodes.ok()) return nodes.error();

@@ -3,7 +3,7 @@
 
 #include <array>
 #include <corotet/core/result.hpp>
-#include <corotet/mesh/io/tet_sink.hpp>
+#include <corotet/mesh/io/tet_mesh_builder.hpp>
 #include <corotet/mesh/io/text_scanner.hpp>
 #include <corotet/mesh/mesh_data.hpp>
 #include <map>
@@ -16,7 +16,7 @@ namespace detail {
 
 /// The parts of a .veg file; the last ones come together only when all of them are known.
 struct VegaFile {
-  TetSink sink;
+  TetMeshBuilder sink;
   VertexRange vertices, elements;
   bool has_vertices = false, has_elements = false;
   std::map<std::string, std::vector<std::int64_t>, std::less<>> sets;  ///< element numbers by the set's name

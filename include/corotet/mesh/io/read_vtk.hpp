@@ -6,7 +6,7 @@
 #include <bit>
 #include <corotet/core/result.hpp>
 #include <corotet/mesh/io/byte_reader.hpp>
-#include <corotet/mesh/io/tet_sink.hpp>
+#include <corotet/mesh/io/tet_mesh_builder.hpp>
 #include <corotet/mesh/io/text_scanner.hpp>
 #include <corotet/mesh/mesh_data.hpp>
 #include <cstdint>
@@ -234,7 +234,7 @@ class VtkReader {
 
   std::string_view bytes_;
   TextScanner text_;
-  TetSink sink_;
+  TetMeshBuilder sink_;
   std::vector<std::int64_t> offsets_, connectivity_, types_;
   bool binary_ = false, has_points_ = false, has_cells_ = false, has_types_ = false;
 };

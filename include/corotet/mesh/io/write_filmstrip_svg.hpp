@@ -85,7 +85,7 @@ inline void add_surface(TextWriter& text, const ShadeImage& image, Index panel) 
 inline void add_lines(TextWriter& text, const Animation& animation, const ShadeImage& image, const FilmstripView& view,
                       Index frame) {
   constexpr double tolerance = 0.002;  // of the longest side: a line that lies in the surface is in front
-  constexpr double most_steps = 4000;
+  constexpr double max_steps = 4000;
   std::array<SvgPath, 2> paths;  // behind, in front
   for (const std::array<Index, 2>& line : animation.lines) {
     const Field<double>& ends = animation.line_frames[at(frame)];
@@ -95,7 +95,7 @@ inline void add_lines(TextWriter& text, const Animation& animation, const ShadeI
     };
     // Outlines are on grid points, half a pixel from the picture's.
     const auto drawn = [&](double t) { return GridPoint{point(t).x + 0.5, point(t).y + 0.5}; };
-    const int steps = static_cast<int>(std::clamp(std::ceil(std::hypot(q.x - p.x, q.y - p.y)), 1.0, most_steps));
+    const int steps = static_cast<int>(std::clamp(std::ceil(std::hypot(q.x - p.x, q.y - p.y)), 1.0, max_steps));
     int begin = 0;
     for (int i = 0; i < steps; ++i) {
       const bool front = image.is_visible(point((i + 0.5) / steps), tolerance);

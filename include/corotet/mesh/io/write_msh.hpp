@@ -8,7 +8,7 @@
 #include <corotet/core/types.hpp>
 #include <corotet/mesh/io/file_bytes.hpp>
 #include <corotet/mesh/io/msh_input.hpp>
-#include <corotet/mesh/io/tet_sink.hpp>
+#include <corotet/mesh/io/tet_mesh_builder.hpp>
 #include <corotet/mesh/io/text_writer.hpp>
 #include <corotet/mesh/mesh_data.hpp>
 #include <corotet/mesh/validate.hpp>

@@ -41,11 +41,11 @@ struct CutLattice {
 /// between: regula falsi with the Illinois rule, so that the point lies on a curved level set too.
 template <class Function>
 double crossing(const Function& f, const Vec3<double>& a, const Vec3<double>& b, double fa, double fb) {
-  constexpr int most_steps = 20;
+  constexpr int max_steps = 20;
   constexpr double close = 1e-6;  // of the edge
   double low = 0, high = 1, t = 0.5;
   int moved = 0;  // the end that moved last: -1 low, +1 high
-  for (int step = 0; step < most_steps; ++step) {
+  for (int step = 0; step < max_steps; ++step) {
     const double before = t;
     t = low + (high - low) * (fa / (fa - fb));
     if (!(t > low && t < high)) t = (low + high) / 2;

@@ -30,7 +30,7 @@ namespace corotet::inline v0_1 {
 
 struct StuffingOptions {
   double size = 0;  ///< side of a lattice cube, m, > 0: elements have edges of 0.87 and 1 of it, less at the surface
-  double most_cubes = 1e7;  ///< refuse larger lattices; each cube takes some 50 bytes while meshing, up to 1e8
+  double max_cubes = 1e7;  ///< refuse larger lattices; each cube takes some 50 bytes while meshing, up to 1e8
   /// The function changes by no more than 1 m a m, as distances do: whole blocks of the lattice in_middle from the
   /// surface are then settled by one evaluation.
   bool is_distance = false;
@@ -120,10 +120,10 @@ template <std::invocable<const Vec3<double>&> Function>
   if (!box.low.allFinite() || !box.high.allFinite() || !((box.high - box.low).minCoeff() >= 0))
     return Error{ErrorCode::invalid_argument, "box", "it must be finite, and low no greater than high"};
   const double cubes = detail::BccLattice::cell_count_of(box, options.size, detail::stuffing_margin);
-  if (!(cubes <= (std::min)(options.most_cubes, 1e8)))
+  if (!(cubes <= (std::min)(options.max_cubes, 1e8)))
     return Error{ErrorCode::invalid_argument, "size",
                  "it takes " + std::to_string(cubes) + " lattice cubes; at most " +
-                     std::to_string((std::min)(options.most_cubes, 1e8)) + " are allowed"};
+                     std::to_string((std::min)(options.max_cubes, 1e8)) + " are allowed"};
 
   const detail::BccLattice lattice(box, options.size, detail::stuffing_margin);
   const std::vector<double> values = detail::sample(lattice, f, options.is_distance);

@@ -28,7 +28,7 @@ template <class FieldType>
 template <class Out, class F, class... In>
 COROTET_ALWAYS_INLINE void map_range(Index begin, Index end, Out& out, F&& f, const In&... in) {
   using Scalar = std::remove_reference_t<decltype(out.front()[0])>;
-  using Several = Register<Scalar, 32 / sizeof(Scalar)>;
+  using Several = SimdVec<Scalar, 32 / sizeof(Scalar)>;
   constexpr std::size_t width = 32 / sizeof(Scalar);
   const std::span<Scalar> to = range_of(out, begin, end);
   const auto run = [&](const auto*... from) {
@@ -44,7 +44,7 @@ template <class A, class B>
 [[nodiscard]] double range_dot(const A& a, const B& b, Index begin, Index end) {
   using Scalar = std::remove_cvref_t<decltype(a.front()[0])>;
   constexpr std::size_t width = 64 / sizeof(Scalar);
-  using Several = Register<Scalar, int{width}>;
+  using Several = SimdVec<Scalar, int{width}>;
   const auto x = range_of(a, begin, end), y = range_of(b, begin, end);
   Several sums(Scalar(0));
   std::size_t i = 0;
@@ -60,12 +60,12 @@ template <class A, class B>
 
 /// K sums at once: over ranges of fixed length, each by one task, then over the ranges in order and in double.
 template <std::size_t K>
-class RangeSums {
+class DeterministicReduction {
  public:
   using Sums = std::array<double, K>;
 
-  RangeSums() = default;
-  explicit RangeSums(Index count) : count_(count), partial_(at((count + grain - 1) / grain) * K) {}
+  DeterministicReduction() = default;
+  explicit DeterministicReduction(Index count) : count_(count), partial_(at((count + grain - 1) / grain) * K) {}
 
   /// The sums of `part(begin, end)`, which returns Sums, over all ranges.
   template <std::invocable<Index, Index> Part>
@@ -91,23 +91,24 @@ class RangeSums {
 };
 
 /// One sum.
-class RangeSum {
+class DeterministicSum {
  public:
-  RangeSum() = default;
-  explicit RangeSum(Index count) : sums_(count) {}
+  DeterministicSum() = default;
+  explicit DeterministicSum(Index count) : sums_(count) {}
 
   /// The sum of `part(begin, end)`, which returns a double, over all ranges.
   template <std::invocable<Index, Index> Part>
   [[nodiscard]] double operator()(ExecutorRef executor, Part&& part) {
-    return sums_(executor, [&](Index begin, Index end) { return RangeSums<1>::Sums{part(begin, end)}; })[0];
+    return sums_(executor,
+                 [&](Index begin, Index end) { return DeterministicReduction<1>::Sums{part(begin, end)}; })[0];
   }
 
   [[nodiscard]] MemoryUse memory() const { return sums_.memory(); }
 
-  static constexpr Index grain = RangeSums<1>::grain;
+  static constexpr Index grain = DeterministicReduction<1>::grain;
 
  private:
-  RangeSums<1> sums_;
+  DeterministicReduction<1> sums_;
 };
 
 }  // namespace corotet::inline v0_1

@@ -26,7 +26,7 @@ inline constexpr NodeOrder gmsh_order{0, 1, 2, 3, 4, 5, 6, 7, 9, 8};
 inline constexpr NodeOrder tetgen_order{0, 1, 2, 3, 6, 7, 9, 5, 8, 4};
 
 /// The mesh being read.
-class TetSink {
+class TetMeshBuilder {
  public:
   MeshData mesh;
 

@@ -9,9 +9,9 @@
 namespace corotet::program {
 
 /// Learns from each run what an element costs a step, and expects the next to be alike.
-class Allowance {
+class TimeBudget {
  public:
-  explicit Allowance(double seconds) : seconds_(seconds) {}
+  explicit TimeBudget(double seconds) : seconds_(seconds) {}
 
   enum class Kind { timed_tet4, timed_tet10, tight_tet4, tight_tet10 };
 

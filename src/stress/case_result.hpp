@@ -10,21 +10,21 @@
 namespace corotet::program::stress {
 
 /// What the steps of a run reported, all together.
-struct Ledger {
+struct StepStatistics {
   int steps = 0;
   int unconverged = 0;         ///< steps whose linear solver stopped before its tolerance, and said so
   int capped = 0;              ///< of these, by its limit of iterations
   int newton_unconverged = 0;  ///< the same of Newton's method
-  int most_iterations = 0;     ///< of the linear solver in a step
-  std::string refusal;         ///< of the first step that was refused
+  int max_iterations = 0;      ///< of the linear solver in a step
+  std::string error;           ///< of the first step that was refused
 
-  void add(const Ledger& other) {
+  void add(const StepStatistics& other) {
     steps += other.steps;
     unconverged += other.unconverged;
     capped += other.capped;
     newton_unconverged += other.newton_unconverged;
-    most_iterations = std::max(most_iterations, other.most_iterations);
-    if (refusal.empty()) refusal = other.refusal;
+    max_iterations = std::max(max_iterations, other.max_iterations);
+    if (error.empty()) error = other.error;
   }
 };
 
@@ -34,7 +34,7 @@ struct Finding {
   bool passed = true;
 };
 
-class Verdict {
+class CaseResult {
  public:
   /// Conditions; a value that is not a number fails.
   void at_most(const std::string& what, double value, double limit) {
@@ -64,7 +64,7 @@ class Verdict {
   }
 
   std::vector<Finding> findings;
-  Ledger ledger;
+  StepStatistics ledger;
   double recovered = -1;  ///< random starts: the fraction that came back to the rest shape
 };
 

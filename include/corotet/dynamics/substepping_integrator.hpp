@@ -21,25 +21,25 @@
 namespace corotet::inline v0_1 {
 
 /// What becomes of a step that cannot be trusted. StepReport::distrust says why in each case.
-enum class Untrusted : std::uint8_t {
+enum class OnUnreliable : std::uint8_t {
   accept,  ///< the body is where the step took it
-  refuse,  ///< the body is where it was: Refusal::untrusted
+  refuse,  ///< the body is where it was: StepError::unreliable
   divide   ///< h is gone through in 2, 4, 8, ... equal steps until all can be trusted, or there are too many
 };
 
 /// As in a scene file.
-[[nodiscard]] constexpr std::string_view name_of(Untrusted otherwise) {
-  return otherwise == Untrusted::accept ? "accept" : otherwise == Untrusted::refuse ? "refuse" : "divide";
+[[nodiscard]] constexpr std::string_view name_of(OnUnreliable on_unreliable) {
+  return on_unreliable == OnUnreliable::accept ? "accept" : on_unreliable == OnUnreliable::refuse ? "refuse" : "divide";
 }
 
-/// Which steps AdaptiveStep trusts, and what it does with the others.
-struct TrustOptions {
-  Untrusted otherwise = Untrusted::divide;
-  int most_halvings = 4;           ///< of the step, 0 ... 30: 4 means at most 16 steps instead of one
-  double largest_residual = 0.05;  ///< relative, of a linear solve or of Newton's method that has not converged
-  /// Of StepReport::largest_strain in one step. Known, as is how many elements are newly inverted, if the last step
+/// Which steps SubsteppingIntegrator trusts, and what it does with the others.
+struct SubsteppingOptions {
+  OnUnreliable on_unreliable = OnUnreliable::divide;
+  int max_halvings = 4;        ///< of the step, 0 ... 30: 4 means at most 16 steps instead of one
+  double max_residual = 0.05;  ///< relative, of a linear solve or of Newton's method that has not converged
+  /// Of StepReport::max_strain in one step. Known, as is how many elements are newly inverted, if the last step
   /// ended in this state or the body is in its rest shape; not in the first step from another state that was set.
-  double largest_strain_growth = 0.5;
+  double max_strain_growth = 0.5;
 };
 
 /// An integrator around an integrator: it divides, refuses or marks steps that cannot be trusted.
@@ -55,15 +55,15 @@ struct TrustOptions {
 /// step of backward Euler. Pieces of a body that do not touch are divided each for itself. Made once for a body and its
 /// copies; then `step` allocates nothing.
 template <class Integrator, class Body>
-class AdaptiveStep {
+class SubsteppingIntegrator {
  public:
   using Scalar = typename Body::scalar_type;
 
-  AdaptiveStep(Integrator integrator, const Body& body, const TrustOptions& options = {})
+  SubsteppingIntegrator(Integrator integrator, const Body& body, const SubsteppingOptions& options = {})
       : integrator_(std::move(integrator)), options_(options) {
-    COROTET_ASSERT(options.most_halvings >= 0 && options.most_halvings <= 30, "that many halvings mean nothing");
+    COROTET_ASSERT(options.max_halvings >= 0 && options.max_halvings <= 30, "that many halvings mean nothing");
     memory_.resize(at(integrator_.implementation().piece_count()));
-    if (options_.otherwise == Untrusted::accept) return;
+    if (options_.on_unreliable == OnUnreliable::accept) return;
     for (Memory& memory : memory_) {
       memory.displacement.reserve(at(body.vertex_count()));
       memory.velocity.reserve(at(body.vertex_count()));
@@ -72,7 +72,7 @@ class AdaptiveStep {
   }
 
   [[nodiscard]] const Integrator& integrator() const { return integrator_; }
-  [[nodiscard]] const TrustOptions& options() const { return options_; }
+  [[nodiscard]] const SubsteppingOptions& options() const { return options_; }
 
   /// Advances `body` by `h` seconds. A refused step leaves it untouched, also where only a sub-step was refused.
   StepReport step(Body& body, Scalar h, ExecutorRef executor = {}, PhaseObserver observer = {}) {
@@ -93,7 +93,7 @@ class AdaptiveStep {
     for (std::size_t p = 0; p < memory_.size(); ++p) {
       archive(memory_[p].known);
       archive(memory_[p].before.inverted_elements);
-      archive(memory_[p].before.largest_strain);
+      archive(memory_[p].before.max_strain);
       detail::visit_revision(archive, memory_[p].motion,
                              implementation.piece_body(static_cast<Index>(p), body).motion_revision());
     }
@@ -117,7 +117,7 @@ class AdaptiveStep {
 
   template <class Piece>
   StepReport divide(Memory& memory, Piece& integrator, Body& body, Scalar h, const StepContext<Scalar>& context) {
-    if (options_.otherwise != Untrusted::accept) {
+    if (options_.on_unreliable != OnUnreliable::accept) {
       memory.displacement = body.displacements();
       memory.velocity = body.velocities();
       memory.target = body.pins().targets();
@@ -128,14 +128,15 @@ class AdaptiveStep {
       memory.known = std::all_of(body.displacements().begin(), body.displacements().end(),
                                  [](const Vec3<Scalar>& u) { return u.isZero(); });
     }
-    const int most = options_.otherwise == Untrusted::divide ? 1 << options_.most_halvings : 1;
+    const int most = options_.on_unreliable == OnUnreliable::divide ? 1 << options_.max_halvings : 1;
     StepReport report;
     for (int parts = 1, tried = 0;; parts *= 2) {
       const bool last = parts >= most;
       report = go_through(memory, integrator, body, h, parts, last, context);
       tried += report.steps_tried;
       report.steps_tried = tried;
-      const bool good_enough = report.distrust == Distrust::none || (last && options_.otherwise != Untrusted::refuse);
+      const bool good_enough =
+          report.warning == StepWarning::none || (last && options_.on_unreliable != OnUnreliable::refuse);
       if (report.accepted() && good_enough) {
         memory.motion = body.motion_revision();
         memory.known = true;
@@ -143,15 +144,15 @@ class AdaptiveStep {
         return report;
       }
       if (body.motion_revision() != start) restore(memory, body);
-      if (last || is_misuse(report.refusal)) break;
+      if (last || is_misuse(report.error)) break;
     }
-    if (report.accepted()) report.refusal = Refusal::untrusted;
+    if (report.accepted()) report.error = StepError::unreliable;
     return report;
   }
 
   /// Whether smaller steps would be refused just the same.
-  [[nodiscard]] static bool is_misuse(Refusal refusal) {
-    return refusal != Refusal::none && refusal != Refusal::solver_breakdown && refusal != Refusal::overflow;
+  [[nodiscard]] static bool is_misuse(StepError error) {
+    return error != StepError::none && error != StepError::solver_breakdown && error != StepError::overflow;
   }
 
   /// Goes through h in so many equal parts; where there is another attempt, only up to the first that cannot be
@@ -164,28 +165,27 @@ class AdaptiveStep {
     for (int part = 1; part <= parts; ++part) {
       if (parts > 1) lead_pins(memory, body, static_cast<Scalar>(part) / static_cast<Scalar>(parts));
       StepReport now = integrator.step(body, h / static_cast<Scalar>(parts), context);
-      now.distrust = now.accepted() ? distrust_of(now, before, known) : Distrust::none;
+      now.warning = now.accepted() ? warning_of(now, before, known) : StepWarning::none;
       before = now;
       known = true;
       all = part == 1 ? now : joined(all, now);
       all.steps_tried = part;
-      if (!now.accepted() || (now.distrust != Distrust::none && !last)) break;
+      if (!now.accepted() || (now.warning != StepWarning::none && !last)) break;
     }
     if (parts > 1) lead_pins(memory, body, 1);
     all.sub_steps = parts;
     return all;
   }
 
-  [[nodiscard]] Distrust distrust_of(const StepReport& now, const StepReport& before, bool known) const {
+  [[nodiscard]] StepWarning warning_of(const StepReport& now, const StepReport& before, bool known) const {
     const auto too_far = [this](bool converged, double residual) {
-      return !converged && !(residual <= options_.largest_residual);
+      return !converged && !(residual <= options_.max_residual);
     };
     if (too_far(now.converged, now.residual) || too_far(now.newton_converged, now.newton_residual))
-      return Distrust::residual;
-    if (known && now.inverted_elements > before.inverted_elements) return Distrust::inverted;
-    if (known && !(now.largest_strain - before.largest_strain <= options_.largest_strain_growth))
-      return Distrust::strain;
-    return Distrust::none;
+      return StepWarning::residual;
+    if (known && now.inverted_elements > before.inverted_elements) return StepWarning::inverted;
+    if (known && !(now.max_strain - before.max_strain <= options_.max_strain_growth)) return StepWarning::strain;
+    return StepWarning::none;
   }
 
   [[nodiscard]] static StepReport joined(const StepReport& before, StepReport now) {
@@ -196,7 +196,7 @@ class AdaptiveStep {
     now.newton_iterations += before.newton_iterations;
     now.newton_converged = before.newton_converged && now.newton_converged;
     now.newton_residual = (std::max)(before.newton_residual, now.newton_residual);
-    if (now.distrust == Distrust::none) now.distrust = before.distrust;
+    if (now.warning == StepWarning::none) now.warning = before.warning;
     return now;
   }
 
@@ -217,11 +217,11 @@ class AdaptiveStep {
   }
 
   Integrator integrator_;
-  TrustOptions options_;
+  SubsteppingOptions options_;
   std::vector<Memory> memory_;  // one a piece
 };
 
 template <class Integrator, class Body>
-AdaptiveStep(Integrator, const Body&) -> AdaptiveStep<Integrator, Body>;
+SubsteppingIntegrator(Integrator, const Body&) -> SubsteppingIntegrator<Integrator, Body>;
 
 }  // namespace corotet::inline v0_1

@@ -19,7 +19,7 @@ namespace corotet::inline v0_1 {
 /// 4 V / A of the rest shape, m: the side of a long square bar, twice the thickness of a plate. A is the sum of the
 /// vertices' area vectors' lengths, |sum V grad N| each: somewhat too small at edges.
 template <std::floating_point Scalar, ReferenceElement Element>
-[[nodiscard]] COROTET_COLD double thickness(const TetMesh<Scalar, Element>& mesh) {
+[[nodiscard]] COROTET_COLD double hydraulic_diameter(const TetMesh<Scalar, Element>& mesh) {
   Field<double> area(at(mesh.vertex_count()), Vec3<double>::Zero());
   double volume = 0, surface = 0;
   for (Index e = 0; e < mesh.element_count(); ++e)
@@ -36,14 +36,14 @@ template <std::floating_point Scalar, ReferenceElement Element>
   return 4 * volume / surface;
 }
 
-/// `thickness` (m) over the speed sqrt(E / rho) of the fastest of the materials, s.
-[[nodiscard]] inline double crossing_time(double thickness, const Materials& materials, Index elements) {
+/// `hydraulic_diameter` (m) over the speed sqrt(E / rho) of the fastest of the materials, s.
+[[nodiscard]] inline double wave_transit_time(double hydraulic_diameter, const Materials& materials, Index elements) {
   double least = std::numeric_limits<double>::infinity();
   for (Index e = 0; e < elements; ++e) {
     const Material& m = materials.of_element(at(e));
     least = (std::min)(least, m.density / m.young);
   }
-  return thickness * std::sqrt(least);
+  return hydraulic_diameter * std::sqrt(least);
 }
 
 }  // namespace corotet::inline v0_1

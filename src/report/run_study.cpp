@@ -1,4 +1,4 @@
-#include "conduct.hpp"
+#include "run_study.hpp"
 
 #include <fmt/core.h>
 
@@ -15,7 +15,7 @@ namespace corotet::program {
 namespace {
 
 /// One product of the mesh's matrix with a vector, us; 0 if no body can be made of it. Each mesh is timed once.
-class Yardstick {
+class SpmvBaseline {
  public:
   double of(const Study& study, const Configuration& c) {
     const auto [place, is_new] = us_.try_emplace({c.level, c.order}, 0.0);
@@ -33,14 +33,14 @@ class Yardstick {
 };
 
 /// A run for its time and its errors.
-ReportRow measure(const Study& study, const Planned& planned, References& references, Allowance& allowance,
-                  Yardstick& yardstick) {
+ReportRow measure(const Study& study, const Planned& planned, References& references, TimeBudget& budget,
+                  SpmvBaseline& baseline) {
   const Configuration& c = planned.configuration;
   ReportRow row{planned.role, c, {}, {}, {}, 0, 0, false};
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   row.errors = {{none, none, none}, {none, none, none}, {none, none, none}, {none, none, none}};
   row.closed_form_errors.assign(study.closed_forms.size(), none);
-  if (const double seconds = references.estimate(c); seconds > allowance.left()) {
+  if (const double seconds = references.estimate(c); seconds > budget.left()) {
     row.run.status = fmt::format("left out: it and its references would take about {:.0f} s", seconds);
     return row;
   }
@@ -49,9 +49,9 @@ ReportRow measure(const Study& study, const Planned& planned, References& refere
   row.run = run(study, c, serial);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (row.run.steps > 0)
-    allowance.learn(Allowance::kind(c.order, false), study.meshes[c.level].linear.element_count(), row.run.steps,
-                    seconds);
-  row.spmv_us = yardstick.of(study, c);
+    budget.learn(TimeBudget::kind(c.order, false), study.meshes[c.level].linear.element_count(), row.run.steps,
+                 seconds);
+  row.spmv_us = baseline.of(study, c);
   row.frame_ms = row.run.step_ms * study.scene.dt / c.scene.dt;
   if (row.run.ok()) {
     row.errors = references.parts(c, row.run);
@@ -65,10 +65,10 @@ ReportRow measure(const Study& study, const Planned& planned, References& refere
 
 }  // namespace
 
-StudyReport conduct(const Study& study, ThreadPool& threads, Allowance& allowance, const StudyObserver& observer) {
+StudyReport run_study(const Study& study, ThreadPool& threads, TimeBudget& budget, const StudyObserver& observer) {
   observer(study.name + ": reference", 0);
   constexpr double share_of_finest = 0.5;
-  References references(study, study.reference_level, threads, allowance, share_of_finest);
+  References references(study, study.reference_level, threads, budget, share_of_finest);
   StudyReport report;
   report.name = study.name;
   report.title = study.title;
@@ -96,20 +96,20 @@ StudyReport conduct(const Study& study, ThreadPool& threads, Allowance& allowanc
   const Configuration base = base_of(study, references.level());
   const std::vector<Planned> planned = plan(study, base);
   const auto count = static_cast<double>(planned.size());
-  Yardstick yardstick;
+  SpmvBaseline baseline;
   for (std::size_t i = 0; i < planned.size(); ++i) {
     const Configuration& c = planned[i].configuration;
     const bool is_reference = c.order == 2 && c.level >= references.level();
     observer(fmt::format("{}: {}, dt {:.3g}", study.name, mesh_name(report, c), c.scene.dt), double(i) / count);
     if (is_reference && study.meshes.count() > 1) continue;  // it cannot be measured against itself
-    report.rows.push_back(measure(study, planned[i], references, allowance, yardstick));
+    report.rows.push_back(measure(study, planned[i], references, budget, baseline));
   }
   mark_frontier(report.rows);
   report.orders = measure_orders(report);
 
   // Of the rows that a reader compares: each element on its meshes, at the scene's time step, and the base at others.
   observer(study.name + ": error budgets", 1);
-  constexpr std::size_t most_budgets = 16;
+  constexpr std::size_t max_budgets = 16;
   for (const ReportRow& row : report.rows) {
     const Configuration& c = row.configuration;
     const bool own_step = c.scene.dt == study.scene.dt && c.scene.integrator == study.scene.integrator;
@@ -117,7 +117,7 @@ StudyReport conduct(const Study& study, ThreadPool& threads, Allowance& allowanc
     const bool told = (row.role == "grid" && (own_step || at_base)) || row.role == "rotation" || row.role == "newton" ||
                       row.role == "dilatation" ||
                       (row.role == "tolerance" && c.scene.solver.tolerance > study.scene.solver.tolerance);
-    if (!told || !row.run.ok() || report.budgets.size() >= most_budgets || references.estimate(c) > allowance.left())
+    if (!told || !row.run.ok() || report.budgets.size() >= max_budgets || references.estimate(c) > budget.left())
       continue;
     std::string label = mesh_name(report, c);
     if (c.scene.integrator != study.scene.integrator) label += fmt::format(", {}", name_of(c.scene.integrator));

@@ -15,7 +15,7 @@
 
 namespace corotet::inline v0_1::detail {
 
-class SurfaceSink {
+class SurfaceMeshBuilder {
  public:
   SurfaceMesh mesh;
 

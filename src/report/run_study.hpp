@@ -4,9 +4,9 @@
 #include <functional>
 #include <string>
 
-#include "allowance.hpp"
 #include "report_data.hpp"
 #include "study.hpp"
+#include "time_budget.hpp"
 
 namespace corotet::program {
 
@@ -15,7 +15,7 @@ using StudyObserver = std::function<void(const std::string& what, double part)>;
 
 /// Rows are timed on one thread; the references use `threads`. Runs for which `allowance` does not suffice are rows
 /// that say so. Throws a Failure if there is nothing to measure errors against.
-[[nodiscard]] StudyReport conduct(const Study& study, ThreadPool& threads, Allowance& allowance,
-                                  const StudyObserver& observer);
+[[nodiscard]] StudyReport run_study(const Study& study, ThreadPool& threads, TimeBudget& budget,
+                                    const StudyObserver& observer);
 
 }  // namespace corotet::program

@@ -1,8 +1,8 @@
 // Steps that cannot be trusted: accepted, refused or divided.
 #include <corotet/core/eigen.hpp>
-#include <corotet/dynamics/adaptive_step.hpp>
 #include <corotet/dynamics/bdf2.hpp>
 #include <corotet/dynamics/implicit_euler.hpp>
+#include <corotet/dynamics/substepping_integrator.hpp>
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -11,7 +11,7 @@
 #include "support/count_allocations.hpp"
 #include "support/floating_point_traps.hpp"
 
-namespace corotet::adaptive_step_test {
+namespace corotet::substepping_test {
 namespace {
 
 using testing::must;
@@ -36,23 +36,23 @@ class Adaptive : public ::testing::Test {
                            .template cast<typename Body::scalar_type>());
   }
 
-  static AdaptiveStep<Integrator, Body> stepper(const Body& body, const TrustOptions& options,
-                                                const SolverOptions& solver = {}) {
+  static SubsteppingIntegrator<Integrator, Body> stepper(const Body& body, const SubsteppingOptions& options,
+                                                         const SolverOptions& solver = {}) {
     return {Integrator(body, solver, Stepper::newton), body, options};
   }
 };
 struct EulerSteps {
   using Body = SoftBody<float, Tet4>;
   using Integrator = ImplicitEuler<Body>;
-  static constexpr NewtonOptions newton{};
+  static constexpr StepOptions newton{};
 };
 struct NewtonSteps : EulerSteps {
-  static constexpr NewtonOptions newton{.iterations = 10, .tangent = Tangent::exact};
+  static constexpr StepOptions newton{.iterations = 10, .tangent = Tangent::consistent};
 };
 struct Bdf2Steps {
   using Body = SoftBody<double, Tet4>;
   using Integrator = Bdf2<Body>;
-  static constexpr NewtonOptions newton{};
+  static constexpr StepOptions newton{};
 };
 using Steppers = ::testing::Types<EulerSteps, NewtonSteps, Bdf2Steps>;
 TYPED_TEST_SUITE(Adaptive, Steppers);
@@ -75,7 +75,7 @@ TYPED_TEST(Adaptive, DoesWhatTheIntegratorDoesWhereThatCanBeTrusted) {
     EXPECT_EQ(report.sub_steps, 1);
     EXPECT_EQ(report.steps_tried, 1);
     EXPECT_EQ(report.iterations, expected.iterations);
-    EXPECT_EQ(report.largest_strain, expected.largest_strain);
+    EXPECT_EQ(report.max_strain, expected.max_strain);
   }
   expect_same_state(body, plain);
 }
@@ -84,16 +84,16 @@ TYPED_TEST(Adaptive, DoesWhatTheIntegratorDoesWhereThatCanBeTrusted) {
 TYPED_TEST(Adaptive, TheCallerChoosesWhatBecomesOfAnUntrustedStep) {
   using Scalar = typename TestFixture::Body::scalar_type;
   const auto h = Scalar(0.02);
-  for (const Untrusted otherwise : {Untrusted::accept, Untrusted::refuse, Untrusted::divide}) {
+  for (const OnUnreliable on_unreliable : {OnUnreliable::accept, OnUnreliable::refuse, OnUnreliable::divide}) {
     auto body = this->beam();
-    auto adaptive = this->stepper(body, {.otherwise = otherwise, .most_halvings = 6, .largest_strain_growth = 0.2});
-    ASSERT_EQ(adaptive.step(body, h).distrust, Distrust::none);
+    auto adaptive = this->stepper(body, {.on_unreliable = on_unreliable, .max_halvings = 6, .max_strain_growth = 0.2});
+    ASSERT_EQ(adaptive.step(body, h).warning, StepWarning::none);
     this->push(body);
     const auto before = body;
     const StepReport report = adaptive.step(body, h);
-    if (otherwise == Untrusted::refuse) {
-      EXPECT_EQ(report.refusal, Refusal::untrusted);
-      EXPECT_NE(report.distrust, Distrust::none);
+    if (on_unreliable == OnUnreliable::refuse) {
+      EXPECT_EQ(report.error, StepError::unreliable);
+      EXPECT_NE(report.warning, StepWarning::none);
       EXPECT_STRNE(report.advice(), "");
       EXPECT_EQ(report.steps_tried, 1);
       expect_same_state(body, before);
@@ -102,13 +102,13 @@ TYPED_TEST(Adaptive, TheCallerChoosesWhatBecomesOfAnUntrustedStep) {
     }
     EXPECT_TRUE(report.accepted());
     for (const Index v : body.pins().vertices()) EXPECT_EQ(body.displacements()[at(v)].x(), Scalar(0.2));
-    if (otherwise == Untrusted::accept) {
-      EXPECT_NE(report.distrust, Distrust::none);
+    if (on_unreliable == OnUnreliable::accept) {
+      EXPECT_NE(report.warning, StepWarning::none);
       EXPECT_FALSE(report.ok());
       EXPECT_STRNE(report.advice(), "");
       EXPECT_EQ(report.sub_steps, 1);
     } else {
-      EXPECT_EQ(report.distrust, Distrust::none) << report.advice();
+      EXPECT_EQ(report.warning, StepWarning::none) << report.advice();
       EXPECT_GT(report.sub_steps, 1);
       EXPECT_EQ(report.inverted_elements, 0);
       EXPECT_GE(report.steps_tried, report.sub_steps + 1);
@@ -124,9 +124,9 @@ TYPED_TEST(Adaptive, TheFirstStepFromRestIsJudged) {
   for (const bool at_rest : {true, false}) {
     auto body = this->beam();
     if (!at_rest) must(body.set_displacements(testing::random_field<Scalar>(body.vertex_count(), 1e-4, 1)));
-    auto adaptive = this->stepper(body, {.otherwise = Untrusted::accept, .largest_strain_growth = 0.2});
+    auto adaptive = this->stepper(body, {.on_unreliable = OnUnreliable::accept, .max_strain_growth = 0.2});
     this->push(body);
-    EXPECT_EQ(adaptive.step(body, Scalar(0.02)).distrust != Distrust::none, at_rest);
+    EXPECT_EQ(adaptive.step(body, Scalar(0.02)).warning != StepWarning::none, at_rest);
   }
 }
 
@@ -134,14 +134,14 @@ TYPED_TEST(Adaptive, TheFirstStepFromRestIsJudged) {
 TYPED_TEST(Adaptive, DivisionIsBounded) {
   using Scalar = typename TestFixture::Body::scalar_type;
   auto body = this->beam();
-  auto adaptive = this->stepper(body, {.most_halvings = 3, .largest_residual = 1e-9},
+  auto adaptive = this->stepper(body, {.max_halvings = 3, .max_residual = 1e-9},
                                 {.method = SolverMethod::pcg,
                                  .preconditioner = PreconditionerKind::block_jacobi,
                                  .tolerance = 1e-9,
                                  .max_iterations = 1});
   const StepReport report = adaptive.step(body, Scalar(0.1));
   EXPECT_TRUE(report.accepted());
-  EXPECT_EQ(report.distrust, Distrust::residual);
+  EXPECT_EQ(report.warning, StepWarning::residual);
   EXPECT_EQ(report.solve, SolveStatus::iteration_limit);
   EXPECT_FALSE(report.ok());
   EXPECT_EQ(report.sub_steps, 8);
@@ -156,18 +156,18 @@ TYPED_TEST(Adaptive, RefusalsLeaveTheBodyUntouched) {
   ASSERT_TRUE(adaptive.step(body, Scalar(0.01)).ok());
   const auto before = body;
   constexpr auto nan = std::numeric_limits<Scalar>::quiet_NaN();
-  EXPECT_EQ(adaptive.step(body, nan).refusal, Refusal::time_step);
-  EXPECT_EQ(adaptive.step(body, Scalar(0)).refusal, Refusal::time_step);
+  EXPECT_EQ(adaptive.step(body, nan).error, StepError::time_step);
+  EXPECT_EQ(adaptive.step(body, Scalar(0)).error, StepError::time_step);
   body.external_forces()[6].y() = nan;
   const StepReport force = adaptive.step(body, Scalar(0.01));
-  EXPECT_EQ(force.refusal, Refusal::external_force);
+  EXPECT_EQ(force.error, StepError::external_force);
   EXPECT_EQ(force.vertex, 6);
   EXPECT_EQ(force.steps_tried, 1);
   EXPECT_STRNE(force.advice(), "");
   body.external_forces()[6].y() = 0;
   const Index pinned = body.pins().vertices().back();
   body.move_pin(pinned, {nan, 0, 0});
-  EXPECT_EQ(adaptive.step(body, Scalar(0.01)).refusal, Refusal::pin_target);
+  EXPECT_EQ(adaptive.step(body, Scalar(0.01)).error, StepError::pin_target);
   body.move_pin(pinned, before.position(pinned));
   expect_same_state(body, before);
 
@@ -185,7 +185,7 @@ TYPED_TEST(Adaptive, RefusalsLeaveTheBodyUntouched) {
 TYPED_TEST(Adaptive, StepsAllocateNothing) {
   using Scalar = typename TestFixture::Body::scalar_type;
   auto body = this->beam();
-  auto adaptive = this->stepper(body, {.most_halvings = 5, .largest_strain_growth = 0.2});
+  auto adaptive = this->stepper(body, {.max_halvings = 5, .max_strain_growth = 0.2});
   ASSERT_TRUE(adaptive.step(body, Scalar(0.01)).ok());
   const long before = testing::allocation_count;
   this->push(body);
@@ -196,4 +196,4 @@ TYPED_TEST(Adaptive, StepsAllocateNothing) {
 }
 
 }  // namespace
-}  // namespace corotet::adaptive_step_test
+}  // namespace corotet::substepping_test

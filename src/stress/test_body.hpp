@@ -10,14 +10,14 @@
 
 #include "../scene.hpp"
 #include "../simulation.hpp"
-#include "verdict.hpp"
+#include "case_result.hpp"
 
 namespace corotet::program::stress {
 
-class Trial {
+class TestBody {
  public:
   /// Throws a Failure as make_simulation does.
-  Trial(const Scene& scene, MeshData mesh);
+  TestBody(const Scene& scene, MeshData mesh);
 
   [[nodiscard]] Simulation& body() { return *simulation_; }
   [[nodiscard]] const MeshData& mesh() const { return mesh_; }
@@ -37,10 +37,10 @@ class Trial {
   bool run(int steps, const std::function<bool()>& stop = nullptr);
 
   [[nodiscard]] const StepReport& last() const { return last_; }
-  [[nodiscard]] const Ledger& ledger() const { return ledger_; }
+  [[nodiscard]] const StepStatistics& ledger() const { return ledger_; }
 
   [[nodiscard]] bool finite() const;
-  [[nodiscard]] double largest_speed() const;
+  [[nodiscard]] double max_speed() const;
   /// Root mean square distance of vertices from where they rest, m.
   [[nodiscard]] double rms_to_rest() const;
   [[nodiscard]] double kinetic_energy() const;
@@ -55,7 +55,7 @@ class Trial {
   [[nodiscard]] double volume() const;  ///< of the straight tetrahedra, signed
 
   /// Puts the ledger into the verdict: it fails if a step was refused or the state is not finite.
-  void report_to(Verdict& verdict) const;
+  void report_to(CaseResult& verdict) const;
 
  private:
   Scene scene_;
@@ -64,7 +64,7 @@ class Trial {
   ThreadPool pool_{1};
   PhaseClock clock_;
   StepReport last_;
-  Ledger ledger_;
+  StepStatistics ledger_;
 };
 
 /// Of 1 x 0.5 x 0.5 m with its least corner at 0: 80 Tet4, or 10 Tet10 on as fine a grid of vertices.

@@ -1,4 +1,4 @@
-#include "trial.hpp"
+#include "test_body.hpp"
 
 #include <fmt/core.h>
 
@@ -13,22 +13,22 @@
 
 namespace corotet::program::stress {
 
-Trial::Trial(const Scene& scene, MeshData mesh)
+TestBody::TestBody(const Scene& scene, MeshData mesh)
     : scene_(scene), mesh_(std::move(mesh)), simulation_(make_simulation(scene_, mesh_)) {}
 
-void Trial::place(const std::function<Vec3<double>(Index)>& position) {
+void TestBody::place(const std::function<Vec3<double>(Index)>& position) {
   Field<double> positions;
   for (Index v = 0; v < vertices(); ++v) positions.push_back(position(v));
   require(simulation_->set_positions(positions));
 }
 
-void Trial::push(const std::function<Vec3<double>(Index)>& velocity) {
+void TestBody::push(const std::function<Vec3<double>(Index)>& velocity) {
   Field<double> velocities;
   for (Index v = 0; v < vertices(); ++v) velocities.push_back(velocity(v));
   require(simulation_->set_velocities(velocities));
 }
 
-std::vector<Index> Trial::pin(const std::function<bool(const Vec3<double>&)>& where) {
+std::vector<Index> TestBody::pin(const std::function<bool(const Vec3<double>&)>& where) {
   std::vector<Index> pinned;
   for (Index v = 0; v < vertices(); ++v) {
     if (!where(rest(v))) continue;
@@ -38,62 +38,62 @@ std::vector<Index> Trial::pin(const std::function<bool(const Vec3<double>&)>& wh
   return pinned;
 }
 
-bool Trial::step() {
-  if (!ledger_.refusal.empty()) return false;
+bool TestBody::step() {
+  if (!ledger_.error.empty()) return false;
   clock_.start();
   last_ = simulation_->step(scene_.dt, pool_, clock_);
   ++ledger_.steps;
   if (!last_.accepted()) {
-    ledger_.refusal = fmt::format("step {} was refused: {}", ledger_.steps, last_.advice());
+    ledger_.error = fmt::format("step {} was refused: {}", ledger_.steps, last_.advice());
     return false;
   }
   if (!last_.converged) ++ledger_.unconverged;
   if (last_.solve == SolveStatus::iteration_limit) ++ledger_.capped;
   if (!last_.newton_converged) ++ledger_.newton_unconverged;
-  ledger_.most_iterations = std::max(ledger_.most_iterations, last_.iterations);
+  ledger_.max_iterations = std::max(ledger_.max_iterations, last_.iterations);
   return true;
 }
 
-bool Trial::run(int steps, const std::function<bool()>& stop) {
+bool TestBody::run(int steps, const std::function<bool()>& stop) {
   for (int i = 0; i < steps; ++i) {
     if (!step()) return false;
     if (stop && stop()) break;
   }
-  return ledger_.refusal.empty();
+  return ledger_.error.empty();
 }
 
-bool Trial::finite() const {
+bool TestBody::finite() const {
   for (Index v = 0; v < vertices(); ++v)
     if (!simulation_->displacement(v).allFinite() || !simulation_->velocity(v).allFinite()) return false;
   return true;
 }
 
-double Trial::largest_speed() const {
+double TestBody::max_speed() const {
   double largest = 0;
   for (Index v = 0; v < vertices(); ++v) largest = std::max(largest, simulation_->velocity(v).norm());
   return largest;
 }
 
-double Trial::rms_to_rest() const {
+double TestBody::rms_to_rest() const {
   double sum = 0;
   for (Index v = 0; v < vertices(); ++v) sum += simulation_->displacement(v).squaredNorm();
   return std::sqrt(sum / vertices());
 }
 
-double Trial::kinetic_energy() const {
+double TestBody::kinetic_energy() const {
   double sum = 0;
   for (Index v = 0; v < vertices(); ++v) sum += simulation_->vertex_mass(v) * simulation_->velocity(v).squaredNorm();
   return sum / 2;
 }
 
-double Trial::energy() const {
+double TestBody::energy() const {
   double lift = 0;
   for (Index v = 0; v < vertices(); ++v)
     lift -= simulation_->vertex_mass(v) * simulation_->displacement(v).dot(scene_.gravity);
   return kinetic_energy() + simulation_->elastic_energy() + lift;
 }
 
-Vec3<double> Trial::centre() const {
+Vec3<double> TestBody::centre() const {
   Vec3<double> sum = Vec3<double>::Zero();
   double mass = 0;
   for (Index v = 0; v < vertices(); ++v) {
@@ -103,13 +103,13 @@ Vec3<double> Trial::centre() const {
   return sum / mass;
 }
 
-Vec3<double> Trial::momentum() const {
+Vec3<double> TestBody::momentum() const {
   Vec3<double> sum = Vec3<double>::Zero();
   for (Index v = 0; v < vertices(); ++v) sum += simulation_->vertex_mass(v) * simulation_->velocity(v);
   return sum;
 }
 
-Vec3<double> Trial::angular_momentum() const {
+Vec3<double> TestBody::angular_momentum() const {
   const Vec3<double> c = centre();
   Vec3<double> sum = Vec3<double>::Zero();
   for (Index v = 0; v < vertices(); ++v)
@@ -117,7 +117,7 @@ Vec3<double> Trial::angular_momentum() const {
   return sum;
 }
 
-double Trial::inertia_radius() const {
+double TestBody::inertia_radius() const {
   const Vec3<double> c = centre();
   double sum = 0, mass = 0;
   for (Index v = 0; v < vertices(); ++v) {
@@ -127,7 +127,7 @@ double Trial::inertia_radius() const {
   return std::sqrt(sum / mass);
 }
 
-double Trial::volume() const {
+double TestBody::volume() const {
   double sum = 0;
   const auto nodes = at(mesh_.nodes_per_element);
   for (std::size_t first = 0; first < mesh_.connectivity.size(); first += nodes) {
@@ -137,7 +137,7 @@ double Trial::volume() const {
   return sum;
 }
 
-Index Trial::folded_elements() const {
+Index TestBody::folded_elements() const {
   Index folded = 0;
   const auto nodes = at(mesh_.nodes_per_element);
   for (std::size_t first = 0; first < mesh_.connectivity.size(); first += nodes) {
@@ -160,9 +160,9 @@ Index Trial::folded_elements() const {
   return folded;
 }
 
-void Trial::report_to(Verdict& verdict) const {
+void TestBody::report_to(CaseResult& verdict) const {
   verdict.ledger.add(ledger_);
-  verdict.expect(ledger_.refusal.empty(), ledger_.refusal);
+  verdict.expect(ledger_.error.empty(), ledger_.error);
   verdict.expect(finite(), "a position or velocity is not finite");
 }
 
