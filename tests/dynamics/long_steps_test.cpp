@@ -74,7 +74,7 @@ TYPED_TEST(LongSteps, BothIntegratorsSettleInTheSameShape) {
 /// at most where all vertices lie on its edges.
 TYPED_TEST(LongSteps, ThicknessIsThatOfBarsAndTwiceThatOfPlates) {
   const auto of = [](const Vec3<double>& size, const std::array<Index, 3>& cells) {
-    return thickness(testing::block<double, TypeParam>({.size = size, .cells = cells}));
+    return hydraulic_diameter(testing::block<double, TypeParam>({.size = size, .cells = cells}));
   };
   EXPECT_NEAR(of({10, 0.1, 0.1}, {10, 4, 4}), 0.11, 0.01);
   EXPECT_NEAR(of({10, 0.1, 0.1}, {10, 1, 1}), 0.13, 0.02);

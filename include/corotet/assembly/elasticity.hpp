@@ -15,11 +15,11 @@ namespace detail {
 
 template <class Scalar, class Element, class Model>
 struct ElasticityOf {
-  using type = PointwiseElasticity<Scalar, Element, Model>;
+  using Type = PointwiseElasticity<Scalar, Element, Model>;
 };
 template <class Scalar, class Element, class Rotation>
 struct ElasticityOf<Scalar, Element, Corotated<Rotation>> {
-  using type = CorotatedElasticity<Scalar, Element, Rotation>;
+  using Type = CorotatedElasticity<Scalar, Element, Rotation>;
 };
 
 }  // namespace detail
@@ -27,6 +27,6 @@ struct ElasticityOf<Scalar, Element, Corotated<Rotation>> {
 /// A model, or a rotation law for the corotated model with it, on the elements of a mesh: CorotatedElasticity for
 /// Corotated, PointwiseElasticity for every other ElasticModel. Both offer the same to a step.
 template <std::floating_point Scalar, ReferenceElement Element = Tet4, ElasticLaw Law = Polar>
-using Elasticity = typename detail::ElasticityOf<Scalar, Element, ElasticModelOf<Law>>::type;
+using Elasticity = typename detail::ElasticityOf<Scalar, Element, ElasticModelOf<Law>>::Type;
 
 }  // namespace corotet::inline v0_1

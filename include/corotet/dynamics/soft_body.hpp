@@ -147,7 +147,7 @@ class SoftBody : private PointStates<Scalar, ElasticModelOf<LawType>> {
   /// New materials: this body gets a model of its own. The mass follows. Errors as for `create`; nothing changes then.
   COROTET_COLD Result<void> set_materials(const Materials& materials);
 
-  /// How long sound takes through the body where it is thin, s: see thickness.
+  /// How long sound takes through the body where it is thin, s: see hydraulic_diameter.
   [[nodiscard]] double wave_transit_time() const { return model_->wave_transit_time(); }
 
   /// Another than that of any body with other materials or another mesh.

@@ -118,11 +118,11 @@ namespace detail {
 
 template <class Law>
 struct ElasticModelOf {
-  using type = Law;
+  using Type = Law;
 };
 template <RotationExtractor Rotation>
 struct ElasticModelOf<Rotation> {
-  using type = Corotated<Rotation>;
+  using Type = Corotated<Rotation>;
 };
 
 }  // namespace detail
@@ -133,6 +133,6 @@ concept ElasticLaw = RotationExtractor<Law> || ElasticModel<Law>;
 
 /// The model that an ElasticLaw stands for.
 template <ElasticLaw Law>
-using ElasticModelOf = typename detail::ElasticModelOf<Law>::type;
+using ElasticModelOf = typename detail::ElasticModelOf<Law>::Type;
 
 }  // namespace corotet::inline v0_1

@@ -58,7 +58,7 @@ class BlockCholesky {
   }
 
   /// False before `analyze`, and for a factor that cannot be indexed: then nothing below may be called.
-  [[nodiscard]] bool is_ready() const { return value_.size() > 0; }
+  [[nodiscard]] bool is_ready() const { return !value_.empty(); }
 
   [[nodiscard]] Index rows() const { return symbolic_->rows(); }
   [[nodiscard]] const SymbolicFactor& symbolic() const { return *symbolic_; }

@@ -195,10 +195,8 @@ class RigidAggregates {
       for (Index k = p.row_start[at(i)]; k < p.row_start[at(i) + 1]; ++k) {
         const Index j = p.column[at(k)];
         if (motion_.moves[at(j)] == 0) continue;
-        Index slot = 0;
-        if (own != nullptr ? h.fine.aggregate_of[at(j)] != aggregate
-                           : !cholesky_.takes(slot = model_->coarse_pattern.slot(c, h.coarse_of(j))))
-          continue;
+        const Index slot = own != nullptr ? 0 : model_->coarse_pattern.slot(c, h.coarse_of(j));
+        if (own != nullptr ? h.fine.aggregate_of[at(j)] != aggregate : !cholesky_.takes(slot)) continue;
         WideBlock6 block;
         const Mat3<double> left = matrix.block(k).template cast<double>(), right = -(left * cross(j));
         block.set_block(0, 0, left);

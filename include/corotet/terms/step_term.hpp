@@ -58,9 +58,9 @@ class StepTerm {
  protected:
   StepTerm() = default;
   StepTerm(const StepTerm&) = default;
-  StepTerm(StepTerm&&) = default;
+  StepTerm(StepTerm&&) noexcept = default;
   StepTerm& operator=(const StepTerm&) = default;
-  StepTerm& operator=(StepTerm&&) = default;
+  StepTerm& operator=(StepTerm&&) noexcept = default;
 };
 
 /// The terms of a step besides those that the body has itself (gravity, nodal forces, damping): refers to one term, or
