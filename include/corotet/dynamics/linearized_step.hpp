@@ -197,8 +197,8 @@ class LinearizedStep {
   struct DirectionalTerms {
     double curvature, slope;
   };
-  [[nodiscard]] DirectionalTerms directional_terms(const Body& body, Scalar gamma, const Field<Scalar>& d,
-                                                   ExecutorRef executor) {
+  [[nodiscard]] COROTET_COLD DirectionalTerms directional_terms(const Body& body, Scalar gamma, const Field<Scalar>& d,
+                                                                ExecutorRef executor) {
     const auto sums = sums_(executor, [&](Index begin, Index end) {
       Sums part{};
       for (Index i = begin; i < end; ++i) {

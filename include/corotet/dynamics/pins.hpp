@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <corotet/core/assert.hpp>
+#include <corotet/core/compiler.hpp>
 #include <corotet/core/memory_use.hpp>
 #include <corotet/core/revision.hpp>
 #include <corotet/core/state_archive.hpp>
@@ -35,7 +36,7 @@ class Pins {
 
   /// Holds `vertex` at a displacement, whose other components than `axes` do not matter; moves it there if it is pinned
   /// already. The first pin of a vertex may allocate. Without any axis it is released.
-  void pin(Index vertex, const Vec3<Scalar>& displacement, PinnedAxes axes = {}) {
+  COROTET_COLD void pin(Index vertex, const Vec3<Scalar>& displacement, PinnedAxes axes = {}) {
     COROTET_ASSERT(vertex >= 0 && vertex < size_of(slot_), "no such vertex");
     if (vertex < 0 || vertex >= size_of(slot_)) return;
     if (!axes.x && !axes.y && !axes.z) return release(vertex);

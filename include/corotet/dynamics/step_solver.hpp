@@ -64,16 +64,10 @@ class StepSolver {
   /// Moves the body as `step` says; a refused step leaves it untouched. The step's fields may be the body's.
   StepReport advance(Body& body, const TimeStep<Scalar>& step, const StepContext<Scalar>& context) {
     equation_.terms().begin(body.terms(), context.terms, context.piece);
-    if (!context.terms.empty())
-      equation_.terms().begin_step(
-          equation_.state(body, step, body.displacements(), body.velocities(), context.executor));
+    if (!context.terms.empty()) begin_terms(body, step, context);
     const StepReport report = advance_bounded(body, step, context);
     if (report.accepted()) equation_.commit(body);
-    if (!context.terms.empty() && report.accepted()) {
-      equation_.terms().set_frame({});
-      equation_.terms().end_step(
-          equation_.state(body, step, body.displacements(), body.velocities(), context.executor));
-    }
+    if (!context.terms.empty() && report.accepted()) end_terms(body, step, context);
     return report;
   }
 
@@ -114,6 +108,16 @@ class StepSolver {
   COROTET_COLD void reset(const Body& body) { *this = StepSolver(body, solver_, options_); }
 
  private:
+  COROTET_COLD void begin_terms(const Body& body, const TimeStep<Scalar>& step, const StepContext<Scalar>& context) {
+    equation_.terms().set_frame({});
+    equation_.terms().begin_step(
+        equation_.state(body, step, body.displacements(), body.velocities(), context.executor));
+  }
+  COROTET_COLD void end_terms(const Body& body, const TimeStep<Scalar>& step, const StepContext<Scalar>& context) {
+    equation_.terms().set_frame({});
+    equation_.terms().end_step(equation_.state(body, step, body.displacements(), body.velocities(), context.executor));
+  }
+
   [[nodiscard]] static Solver unanalyzed(const Solver& solver) {
     if constexpr (requires {
                     { solver.unanalyzed() } -> std::same_as<Solver>;
@@ -300,12 +304,7 @@ class StepSolver {
     }
 
     [[nodiscard]] bool apply(double fraction) {
-      if (s.equation_.terms().has_given()) {
-        for (Vec3<Scalar>& d : s.change_) d *= static_cast<Scalar>(fraction);
-        fraction = 1;
-        limit_change();
-        find_impulses();
-      }
+      if (s.equation_.terms().has_given()) fraction = apply_to_terms(fraction);
       return s.apply_increment(body, step, static_cast<Scalar>(fraction), context.executor);
     }
 
@@ -325,12 +324,18 @@ class StepSolver {
       return s.energy_bound_.elastic(body, displacement, context.executor) + energy_of_terms(displacement);
     }
     [[nodiscard]] double energy_of_terms(const Field<Scalar>& displacement) {
-      if (!s.equation_.terms().has_given()) return 0;
-      return s.equation_.terms().energy(s.equation_.state(body, step, displacement, s.velocity_, context.executor));
+      return s.equation_.terms().has_given() ? energy_of_given(displacement) : 0;
     }
 
    private:
-    void find_impulses() { s.equation_.terms().find_impulses(state(), s.change_, at_rest ? &s.velocity_ : nullptr); }
+    [[nodiscard]] COROTET_COLD double energy_of_given(const Field<Scalar>& displacement) {
+      return s.equation_.terms().energy(s.equation_.state(body, step, displacement, s.velocity_, context.executor));
+    }
+
+    void find_impulses() {
+      if (!s.equation_.terms().has_given()) return;
+      s.equation_.terms().find_impulses(state(), s.change_, at_rest ? &s.velocity_ : nullptr);
+    }
 
     /// Where forces are linearised now.
     [[nodiscard]] TermState<Scalar> state() const {
@@ -353,6 +358,14 @@ class StepSolver {
 
     [[nodiscard]] Scalar pin_velocity(std::size_t slot, Index vertex, int i) const {
       return (body.pins().targets()[slot][i] - step.x_history[at(vertex)][i]) / step.gamma;
+    }
+
+    /// Takes a fraction of the change, or less where a term says so. Returns what is then left to take: all.
+    COROTET_COLD double apply_to_terms(double fraction) {
+      for (Vec3<Scalar>& d : s.change_) d *= static_cast<Scalar>(fraction);
+      limit_change();
+      find_impulses();
+      return 1;
     }
 
     /// Shortens the change to what the terms allow of the way from where they are linearised.

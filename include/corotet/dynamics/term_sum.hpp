@@ -41,10 +41,10 @@ class TermSum {
   void set_frame(const TurningPlacement<Scalar>& frame) { frame_ = frame; }
   [[nodiscard]] const TurningPlacement<Scalar>& frame() const { return frame_; }
 
-  void begin_step(const TermState<Scalar>& start) {
+  COROTET_COLD void begin_step(const TermState<Scalar>& start) {
     for (std::size_t t = 0; t < given_.size(); ++t) given_[t].begin_step(seen(start, true));
   }
-  void end_step(const TermState<Scalar>& end) {
+  COROTET_COLD void end_step(const TermState<Scalar>& end) {
     for (std::size_t t = 0; t < given_.size(); ++t) given_[t].end_step(seen(end, true));
   }
 
@@ -63,7 +63,7 @@ class TermSum {
 
   /// Adds gamma^2 K + gamma D of the terms at the state of the last `evaluate`. `at_rest`: forces become those at
   /// velocity zero.
-  void add_to_matrix(const TermState<Scalar>& state, bool at_rest, BlockMatrix<Scalar>& matrix) {
+  COROTET_COLD void add_to_matrix(const TermState<Scalar>& state, bool at_rest, BlockMatrix<Scalar>& matrix) {
     implicit_ = false;
     for (Mat3<Scalar>& sum : row_sum_) sum.setZero();
     const TermState<Scalar> here = seen(state, true);
@@ -76,8 +76,8 @@ class TermSum {
 
   /// Of the solution that changes velocities by `change` (and `more`, if it is not null) from where the terms are
   /// linearised: impulses in this step.
-  void find_impulses(const TermState<Scalar>& state, const Field<Scalar>& change, const Field<Scalar>* more) {
-    if (given_.empty()) return;
+  COROTET_COLD void find_impulses(const TermState<Scalar>& state, const Field<Scalar>& change,
+                                  const Field<Scalar>* more) {
     for (Part* part : {&working_, &conservative_})
       for (std::size_t i = 0; i < part->force.size(); ++i) part->impulse[i] = state.gamma * part->force[i];
     const TermState<Scalar> here = seen(state, true);
@@ -91,7 +91,7 @@ class TermSum {
   }
 
   /// Energy of the terms that have one, J.
-  [[nodiscard]] double energy(const TermState<Scalar>& state) {
+  [[nodiscard]] COROTET_COLD double energy(const TermState<Scalar>& state) {
     double sum = 0;
     const TermState<Scalar> here = seen(state, true);
     for (std::size_t t = 0; t < given_.size(); ++t)
@@ -100,7 +100,7 @@ class TermSum {
   }
 
   /// The largest fraction of the way from one state to another that all terms allow, 0 ... 1.
-  [[nodiscard]] double max_safe_fraction(const TermState<Scalar>& from, const TermState<Scalar>& to) {
+  [[nodiscard]] COROTET_COLD double max_safe_fraction(const TermState<Scalar>& from, const TermState<Scalar>& to) {
     double fraction = 1;
     for (std::size_t t = 0; t < given_.size(); ++t)
       fraction = (std::min)(fraction, given_[t].max_safe_fraction(seen(from, true), seen(to, true)));

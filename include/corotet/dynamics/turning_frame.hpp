@@ -51,18 +51,7 @@ class TurningFrame {
       }
       return sums_of<24>(sum);
     });
-    const auto sum = Matrix<double, 3, 8>::load(sums.data());
-    before_ = motion(body, sum);
-    const double damping = h * mass_damping;
-    const double decay = step.is_first_order() ? 1 / (1 + damping) : detail::exponential(-damping);
-    const Vec3<double> midway = before_.centre + h / 2 * before_.velocity;
-    goal_ = decay * before_.momentum + h * std::sqrt(decay) * (sum.col(7) - midway.cross(sum.col(6)));
-    turn_rate_.setZero();
-    turn_.setZero();
-    // Where the centre of mass would be without forces: about that the frame turns.
-    pivot_velocity_ =
-        (body.velocities()[0].template cast<double>() + before_.velocity) / (1 + double(step.gamma) * mass_damping);
-    pivot_ = origin(body, body.displacements()) + before_.centre + double(step.gamma) * pivot_velocity_;
+    prepare(body, step, mass_damping, Matrix<double, 3, 8>::load(sums.data()));
   }
 
   /// Enters the frame for the step that has begun: `velocity` is the body's as seen from it, m/s.
@@ -111,7 +100,50 @@ class TurningFrame {
       }
       return sums_of<24>(sum);
     });
-    const auto sum = Matrix<double, 3, 8>::load(sums.data());
+    const Departure to =
+        departure(body, gamma, Matrix<double, 3, 8>::load(sums.data()), implicit, displacement, velocity);
+    const double not_finite = finite_(executor, [&](Index begin, Index end) {
+      bool finite = true;
+      for (Index i = begin; i < end; ++i) {
+        const Vec3<double> before = x(i) - to.centre, after = to.turn * before;
+        displacement[at(i)] += (to.shift + (after - before)).template cast<Scalar>();
+        velocity[at(i)] = (to.flight + to.turn * (v(i) - to.velocity) + to.spin.cross(after)).template cast<Scalar>();
+        finite = finite && displacement[at(i)].allFinite() && velocity[at(i)].allFinite();
+      }
+      return finite ? 0.0 : 1.0;
+    });
+    return detail::is_zero(not_finite);
+  }
+
+  [[nodiscard]] MemoryUse memory() const { return before_sums_.memory() + after_sums_.memory() + finite_.memory(); }
+
+ private:
+  /// How a solution leaves the frame: x' = x + shift + (turn - 1) r, v' = flight + turn (v - velocity) + spin x turn r,
+  /// with r = x - centre.
+  struct Departure {
+    Vec3<double> centre, velocity, shift, flight, spin;
+    Mat3<double> turn;
+  };
+
+  COROTET_COLD void prepare(const Body& body, const TimeStep<Scalar>& step, double mass_damping,
+                            const Matrix<double, 3, 8>& sum) {
+    const auto h = double(step.h);
+    before_ = motion(body, sum);
+    const double damping = h * mass_damping;
+    const double decay = step.is_first_order() ? 1 / (1 + damping) : detail::exponential(-damping);
+    const Vec3<double> midway = before_.centre + h / 2 * before_.velocity;
+    goal_ = decay * before_.momentum + h * std::sqrt(decay) * (sum.col(7) - midway.cross(sum.col(6)));
+    turn_rate_.setZero();
+    turn_.setZero();
+    // Where the centre of mass would be without forces: about that the frame turns.
+    pivot_velocity_ =
+        (body.velocities()[0].template cast<double>() + before_.velocity) / (1 + double(step.gamma) * mass_damping);
+    pivot_ = origin(body, body.displacements()) + before_.centre + double(step.gamma) * pivot_velocity_;
+  }
+
+  [[nodiscard]] COROTET_COLD Departure departure(const Body& body, Scalar gamma, const Matrix<double, 3, 8>& sum,
+                                                 bool implicit, std::span<const Vec3<Scalar>> displacement,
+                                                 std::span<const Vec3<Scalar>> velocity) {
     const Motion solved = motion(body, sum);
     const Mat3<double> turn = rotation_by(turn_);
     if (implicit) goal_ = goal_ + turn * (sum.col(7) - solved.centre.cross(sum.col(6)));
@@ -124,22 +156,9 @@ class TurningFrame {
       q *= rotation_by(double(gamma) *
                        (angular_velocity(solved.second, q.transpose() * goal_ - solved.momentum) - turn_rate_));
     const Vec3<double> w = angular_velocity(q * solved.second * q.transpose(), goal_ - q * solved.momentum);
-    const double not_finite = finite_(executor, [&](Index begin, Index end) {
-      bool finite = true;
-      for (Index i = begin; i < end; ++i) {
-        const Vec3<double> before = x(i) - solved.centre, after = q * before;
-        displacement[at(i)] += (shift + (after - before)).template cast<Scalar>();
-        velocity[at(i)] = (flight + q * (v(i) - solved.velocity) + w.cross(after)).template cast<Scalar>();
-        finite = finite && displacement[at(i)].allFinite() && velocity[at(i)].allFinite();
-      }
-      return finite ? 0.0 : 1.0;
-    });
-    return detail::is_zero(not_finite);
+    return {solved.centre, solved.velocity, shift, flight, w, q};
   }
 
-  [[nodiscard]] MemoryUse memory() const { return before_sums_.memory() + after_sums_.memory() + finite_.memory(); }
-
- private:
   /// Of a whole body, relative to its first vertex: sums stay small in flight and far from the origin.
   struct Motion {
     Vec3<double> centre, velocity;  ///< of mass, m and m/s

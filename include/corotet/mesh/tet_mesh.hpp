@@ -33,14 +33,14 @@ class TetMesh {
   using element_type = Element;
   using Nodes = std::array<Index, Element::nodes>;
 
-  /// Checks `data` and takes it over. Elements with the opposite winding are turned round and counted in
+  /// Checks `data` and takes it. Elements with the opposite winding are turned round and counted in
   /// `flipped_elements()`. `origin` (m) is subtracted from all positions before they are rounded to Scalar: give the
   /// centre of a mesh that lies far from 0 to keep float precision; everything else then works in coordinates relative
   /// to it.
   /// Errors: empty_mesh, invalid_argument (wrong nodes_per_element: see raise_order and lower_order; array lengths),
   /// index_out_of_range, duplicate_node, unreferenced_vertex (see remove_unreferenced), non_finite_value,
   /// degenerate_element, unsupported (too large for 32-bit indices); each names the element or vertex.
-  [[nodiscard]] COROTET_COLD static Result<TetMesh> create(MeshData data,
+  [[nodiscard]] COROTET_COLD static Result<TetMesh> create(const MeshData& data,
                                                            const Vec3<double>& origin = Vec3<double>::Zero());
 
   [[nodiscard]] Index vertex_count() const { return size_of(positions_); }
@@ -91,34 +91,35 @@ class TetMesh {
 
 // Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
 template <std::floating_point Scalar, ReferenceElement Element>
-Result<TetMesh<Scalar, Element>> TetMesh<Scalar, Element>::create(MeshData data, const Vec3<double>& origin) {
+Result<TetMesh<Scalar, Element>> TetMesh<Scalar, Element>::create(const MeshData& data, const Vec3<double>& origin) {
   if (Result<void> status = detail::check_arrays(data, Element::nodes); !status) return status.error();
 
   TetMesh mesh;
   mesh.origin_ = origin;
   mesh.positions_.reserve(data.positions.size());
-  for (Vec3<double>& x : data.positions) {
+  std::vector<Vec3<double>> kept;  // volumes are judged on what is kept
+  kept.reserve(data.positions.size());
+  for (const Vec3<double>& x : data.positions) {
     mesh.positions_.push_back((x - origin).template cast<Scalar>());
     if (!mesh.positions_.back().allFinite())
       return detail::error(ErrorCode::non_finite_value, {"vertex ", mesh.positions_.size() - 1},
                            {"its position is not a finite number in this precision"});
-    x = mesh.positions_.back().template cast<double>();  // volumes are judged on what is kept
+    kept.push_back(mesh.positions_.back().template cast<double>());
   }
 
   mesh.elements_.resize(data.connectivity.size() / Element::nodes);
   for (Index e = 0; e < mesh.element_count(); ++e) {
     Nodes& nodes = mesh.elements_[at(e)];
     std::copy_n(data.connectivity.begin() + std::ptrdiff_t{e} * Element::nodes, Element::nodes, nodes.begin());
-    const double volume = detail::signed_volume<Element>(data.positions, nodes);
+    const double volume = detail::signed_volume<Element>(kept, nodes);
     if (volume < 0) {
       detail::turn_round<Element>(nodes);
       ++mesh.flipped_elements_;
     }
     const auto epsilon = static_cast<double>(std::numeric_limits<Scalar>::epsilon());
-    if (Result<void> status = detail::check_volume<Element>(data.positions, nodes, e, epsilon); !status)
-      return status.error();
+    if (Result<void> status = detail::check_volume<Element>(kept, nodes, e, epsilon); !status) return status.error();
   }
-  mesh.regions_ = std::move(data.regions);
+  mesh.regions_ = data.regions;
   return mesh;
 }
 
