@@ -11,8 +11,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-TRIES = 2
-MORE_TRIES = 4
+TRIES = 6
 MEGABYTES_OF_HELLO = 600
 
 
@@ -43,16 +42,17 @@ def main():
         cases = {  # command, at most as many units
             "corotet.hpp": (flags + [source("all.cpp", "#include <corotet/corotet.hpp>\n")], 2.5),
             "hello.cpp with corotet::compiled": (flags + ["-DCOROTET_COMPILED", hello], 2.5),
-            "hello.cpp, headers alone": (flags + [hello], 9.0),  # 7.9 to 8.3; the aim is 8
+            "hello.cpp, headers alone": (flags + [hello], 8.5),  # 7.9 to 8.3; the aim is 8
         }
         failed = False
         for name, (command, bound) in cases.items():
             ratio = float("inf")
-            for attempt in range(TRIES + MORE_TRIES):
-                if attempt < TRIES or ratio > bound:
-                    one = cost(unit)
-                    seconds = cost(command)
-                    ratio = min(ratio, seconds / one)
+            for _ in range(TRIES):
+                one = cost(unit)
+                seconds = cost(command)
+                ratio = min(ratio, seconds / one)
+                if ratio <= bound:
+                    break
             failed |= ratio > bound
             print(f"{name}: {ratio:.2f} times <Eigen/Dense> ({one:.2f} s), at most {bound}")
         memory = peak_megabytes()
