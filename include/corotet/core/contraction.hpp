@@ -2,6 +2,7 @@
 #pragma once
 
 #include <corotet/core/assert.hpp>
+#include <corotet/core/exactly.hpp>
 
 #if defined(COROTET_DETERMINISTIC) && defined(__FAST_MATH__)
 #error "COROTET_DETERMINISTIC does not hold with -ffast-math: compile without"
@@ -14,7 +15,7 @@ namespace corotet::inline v0_1::detail {
 [[nodiscard]] inline bool contracts() {
   const volatile double a = 1 + 1.0 / (1 << 27), square = a * a;
   const double x = a, rounded = square;
-  return x * x - rounded != 0;
+  return !is_zero(x * x - rounded);
 }
 
 /// Asked by everything that steps, where COROTET_DETERMINISTIC is defined.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <concepts>
 #include <corotet/core/compiler.hpp>
+#include <corotet/core/exactly.hpp>
 #include <cstddef>
 
 namespace corotet::inline v0_1 {
@@ -165,7 +166,7 @@ struct Matrix {
   friend COROTET_ALWAYS_INLINE constexpr Matrix operator/(Matrix a, T divisor) { return a /= divisor; }
   friend constexpr bool operator==(const Matrix& a, const Matrix& b) {
     for (int i = 0; i < R * C; ++i)
-      if (!(a.value_[i] == b.value_[i])) return false;
+      if (!detail::exactly_equal(a.value_[i], b.value_[i])) return false;
     return true;
   }
 

@@ -76,7 +76,7 @@ class StateArchive {
     std::uint64_t count = several.size();
     numbers(&count, sizeof count, 1, true);
     if (mode_ == Mode::compare) return skip(count, sizeof(T));
-    if (mode_ == Mode::read) several.resize(static_cast<std::size_t>(count));
+    if (mode_ == Mode::read) several.resize(as_size(count));
     for (T& each : several) (*this)(each);
   }
 
@@ -85,8 +85,8 @@ class StateArchive {
   std::size_t some(T* first, std::size_t count) {
     std::uint64_t stored = count;
     numbers(&stored, sizeof stored, 1, true);
-    numbers(first, sizeof(T), static_cast<std::size_t>(stored));
-    return static_cast<std::size_t>(stored);
+    numbers(first, sizeof(T), as_size(stored));
+    return as_size(stored);
   }
 
   /// What must be the same when it is read.
@@ -107,6 +107,12 @@ class StateArchive {
     } else {
       for (std::size_t i = 0; i < count; ++i) (*this)(first[i]);
     }
+  }
+
+  /// A count on this machine; a template, as the cast is none where numbers of both kinds are the same.
+  template <class Count>
+  [[nodiscard]] static std::size_t as_size(Count count) {
+    return static_cast<std::size_t>(count);
   }
 
   /// `always`: read also where only checked.
@@ -135,7 +141,7 @@ class StateArchive {
       ok_ = false;
       return;
     }
-    const std::size_t bytes = static_cast<std::size_t>(count) * size;
+    const std::size_t bytes = as_size(count) * size;
     add_to_hash(in_.subspan(place_, bytes));
     place_ += bytes;
   }

@@ -25,7 +25,7 @@ enum class FileKind { none, regular, pipe, directory, other };
   struct stat status;
   if (stat(path.text().c_str(), &status) != 0) return FileKind::none;
 #endif
-  const auto type = static_cast<unsigned>(status.st_mode) & static_cast<unsigned>(S_IFMT);
+  const unsigned type = unsigned{status.st_mode} & unsigned{S_IFMT};
   if (type == static_cast<unsigned>(S_IFREG)) return FileKind::regular;
   if (type == static_cast<unsigned>(S_IFDIR)) return FileKind::directory;
 #if defined(S_IFIFO)
