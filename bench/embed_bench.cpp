@@ -2,8 +2,8 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
-#include <corotet/embed/embedded_surface.hpp>
-#include <corotet/mesh/make_block.hpp>
+#include <corotet/detail/embed/embedded_surface.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
 #include <cstddef>
 #include <cstring>
 #include <vector>

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <corotet/mesh/io/read_mesh.hpp>
-#include <corotet/mesh/make_block.hpp>
-#include <corotet/mesh/raise_order.hpp>
+#include <corotet/detail/mesh/io/read_mesh.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
+#include <corotet/detail/mesh/raise_order.hpp>
 #include <map>
 #include <memory>
 #include <optional>

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <corotet/mesh/boundary.hpp>
-#include <corotet/mesh/io/read_mesh.hpp>
-#include <corotet/mesh/tet_mesh.hpp>
+#include <corotet/detail/mesh/boundary.hpp>
+#include <corotet/detail/mesh/io/read_mesh.hpp>
+#include <corotet/detail/mesh/tet_mesh.hpp>
 #include <iterator>
 #include <utility>
 

@@ -1,10 +1,10 @@
 // What `corotet check` finds out about a mesh.
 #pragma once
 
-#include <corotet/core/types.hpp>
-#include <corotet/mesh/element_quality.hpp>
-#include <corotet/mesh/mesh_data.hpp>
-#include <corotet/mesh/quality.hpp>
+#include <corotet/detail/core/types.hpp>
+#include <corotet/detail/mesh/element_quality.hpp>
+#include <corotet/detail/mesh/mesh_data.hpp>
+#include <corotet/detail/mesh/quality.hpp>
 #include <map>
 #include <string>
 #include <vector>

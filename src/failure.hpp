@@ -1,7 +1,7 @@
 // How a command ends when it cannot do what was asked.
 #pragma once
 
-#include <corotet/core/result.hpp>
+#include <corotet/detail/core/result.hpp>
 #include <stdexcept>
 #include <utility>
 

@@ -3,7 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <corotet/mesh/io/file_bytes.hpp>
+#include <corotet/detail/mesh/io/file_bytes.hpp>
 #include <cstddef>
 #include <filesystem>
 #include <set>

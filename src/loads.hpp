@@ -1,8 +1,8 @@
 // What a scene does to whole parts of a body, as numbers for each vertex.
 #pragma once
 
-#include <corotet/core/types.hpp>
-#include <corotet/mesh/mesh_data.hpp>
+#include <corotet/detail/core/types.hpp>
+#include <corotet/detail/mesh/mesh_data.hpp>
 #include <vector>
 
 #include "scene.hpp"

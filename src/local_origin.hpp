@@ -2,8 +2,8 @@
 #pragma once
 
 #include <algorithm>
-#include <corotet/core/types.hpp>
-#include <corotet/mesh/mesh_data.hpp>
+#include <corotet/detail/core/types.hpp>
+#include <corotet/detail/mesh/mesh_data.hpp>
 #include <type_traits>
 
 namespace corotet::program {

@@ -2,7 +2,7 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
-#include <corotet/core/version.hpp>
+#include <corotet/detail/core/version.hpp>
 #include <cstdio>
 #include <exception>
 #include <new>

@@ -2,16 +2,16 @@
 #include <fmt/core.h>
 
 #include <array>
-#include <corotet/mesh/boundary.hpp>
-#include <corotet/mesh/io/read_mesh.hpp>
-#include <corotet/mesh/io/read_surface.hpp>
-#include <corotet/mesh/io/write_msh.hpp>
-#include <corotet/mesh/io/write_obj.hpp>
-#include <corotet/mesh/io/write_vtu.hpp>
-#include <corotet/mesh/make_block.hpp>
-#include <corotet/mesh/raise_order.hpp>
-#include <corotet/mesh/stuffing/isosurface_stuffing.hpp>
-#include <corotet/mesh/tet_mesh.hpp>
+#include <corotet/detail/mesh/boundary.hpp>
+#include <corotet/detail/mesh/io/read_mesh.hpp>
+#include <corotet/detail/mesh/io/read_surface.hpp>
+#include <corotet/detail/mesh/io/write_msh.hpp>
+#include <corotet/detail/mesh/io/write_obj.hpp>
+#include <corotet/detail/mesh/io/write_vtu.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
+#include <corotet/detail/mesh/raise_order.hpp>
+#include <corotet/detail/mesh/stuffing/isosurface_stuffing.hpp>
+#include <corotet/detail/mesh/tet_mesh.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <memory>

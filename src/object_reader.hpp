@@ -1,7 +1,7 @@
 // Reads the members of a JSON object into values, and notes everything that is wrong with them.
 #pragma once
 
-#include <corotet/core/types.hpp>
+#include <corotet/detail/core/types.hpp>
 #include <functional>
 #include <initializer_list>
 #include <limits>

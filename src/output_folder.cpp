@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <corotet/mesh/io/file_bytes.hpp>
-#include <corotet/mesh/io/write_vtu.hpp>
+#include <corotet/detail/mesh/io/file_bytes.hpp>
+#include <corotet/detail/mesh/io/write_vtu.hpp>
 #include <filesystem>
 #include <iterator>
 #include <string_view>

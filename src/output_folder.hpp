@@ -1,8 +1,8 @@
 // The files that a run leaves behind. docs/program.md describes them.
 #pragma once
 
-#include <corotet/core/types.hpp>
-#include <corotet/mesh/io/write_pvd.hpp>
+#include <corotet/detail/core/types.hpp>
+#include <corotet/detail/mesh/io/write_pvd.hpp>
 #include <filesystem>
 #include <fstream>
 #include <optional>

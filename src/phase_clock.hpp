@@ -2,7 +2,7 @@
 #pragma once
 
 #include <chrono>
-#include <corotet/dynamics/step_phase.hpp>
+#include <corotet/detail/dynamics/step_phase.hpp>
 
 namespace corotet::program {
 

@@ -1,8 +1,8 @@
 // The yardstick for the time of a step.
 #pragma once
 
-#include <corotet/assembly/block_matrix.hpp>
-#include <corotet/core/types.hpp>
+#include <corotet/detail/assembly/block_matrix.hpp>
+#include <corotet/detail/core/types.hpp>
 
 namespace corotet::program {
 

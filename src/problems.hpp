@@ -1,7 +1,7 @@
 // All that is wrong with an input, so that it can be said at once.
 #pragma once
 
-#include <corotet/core/result.hpp>
+#include <corotet/detail/core/result.hpp>
 #include <optional>
 #include <string>
 #include <utility>

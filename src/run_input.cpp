@@ -2,12 +2,12 @@
 
 #include <fmt/core.h>
 
-#include <corotet/core/types.hpp>
-#include <corotet/mesh/io/file_bytes.hpp>
-#include <corotet/mesh/io/read_mesh.hpp>
-#include <corotet/mesh/io/read_surface.hpp>
-#include <corotet/mesh/io/text_scanner.hpp>
-#include <corotet/mesh/raise_order.hpp>
+#include <corotet/detail/core/types.hpp>
+#include <corotet/detail/mesh/io/file_bytes.hpp>
+#include <corotet/detail/mesh/io/read_mesh.hpp>
+#include <corotet/detail/mesh/io/read_surface.hpp>
+#include <corotet/detail/mesh/io/text_scanner.hpp>
+#include <corotet/detail/mesh/raise_order.hpp>
 #include <filesystem>
 #include <string>
 #include <utility>

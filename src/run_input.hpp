@@ -1,9 +1,9 @@
 // Everything that a scene's files hold, read and matched to the mesh.
 #pragma once
 
-#include <corotet/core/types.hpp>
-#include <corotet/mesh/mesh_data.hpp>
-#include <corotet/mesh/surface_mesh.hpp>
+#include <corotet/detail/core/types.hpp>
+#include <corotet/detail/mesh/mesh_data.hpp>
+#include <corotet/detail/mesh/surface_mesh.hpp>
 #include <optional>
 #include <string>
 #include <vector>

@@ -1,7 +1,7 @@
 // Putting a scene's state, pins and forces into a simulation.
 #pragma once
 
-#include <corotet/core/types.hpp>
+#include <corotet/detail/core/types.hpp>
 
 #include "run_input.hpp"
 #include "scene.hpp"

@@ -3,7 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <corotet/core/version.hpp>
+#include <corotet/detail/core/version.hpp>
 
 namespace corotet::program {
 namespace {

@@ -1,7 +1,7 @@
 // summary.json: what a run was, what it cost, and with what error.
 #pragma once
 
-#include <corotet/dynamics/step_report.hpp>
+#include <corotet/detail/dynamics/step_report.hpp>
 #include <optional>
 #include <string>
 #include <vector>

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <corotet/core/types.hpp>
+#include <corotet/detail/core/types.hpp>
 #include <filesystem>
 #include <limits>
 #include <string>

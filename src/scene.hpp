@@ -1,13 +1,13 @@
 // What `corotet run` simulates: the scene file as a struct, with its defaults. docs/scene.md describes the keys.
 #pragma once
 
-#include <corotet/assembly/mass.hpp>
-#include <corotet/assembly/mean_dilatation.hpp>
-#include <corotet/core/types.hpp>
-#include <corotet/dynamics/step_options.hpp>
-#include <corotet/dynamics/substepping_integrator.hpp>
-#include <corotet/material/material.hpp>
-#include <corotet/solve/auto_solver.hpp>
+#include <corotet/detail/assembly/mass.hpp>
+#include <corotet/detail/assembly/mean_dilatation.hpp>
+#include <corotet/detail/core/types.hpp>
+#include <corotet/detail/dynamics/step_options.hpp>
+#include <corotet/detail/dynamics/substepping_integrator.hpp>
+#include <corotet/detail/material/material.hpp>
+#include <corotet/detail/solve/auto_solver.hpp>
 #include <filesystem>
 #include <optional>
 #include <vector>

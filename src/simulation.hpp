@@ -2,14 +2,14 @@
 // around the library's types, which are chosen at compile time.
 #pragma once
 
-#include <corotet/core/result.hpp>
-#include <corotet/core/thread_pool.hpp>
-#include <corotet/core/types.hpp>
-#include <corotet/dynamics/static_report.hpp>
-#include <corotet/dynamics/step_report.hpp>
-#include <corotet/material/material.hpp>
-#include <corotet/mesh/mesh_data.hpp>
-#include <corotet/mesh/surface_mesh.hpp>
+#include <corotet/detail/core/result.hpp>
+#include <corotet/detail/core/thread_pool.hpp>
+#include <corotet/detail/core/types.hpp>
+#include <corotet/detail/dynamics/static_report.hpp>
+#include <corotet/detail/dynamics/step_report.hpp>
+#include <corotet/detail/material/material.hpp>
+#include <corotet/detail/mesh/mesh_data.hpp>
+#include <corotet/detail/mesh/surface_mesh.hpp>
 #include <memory>
 #include <string>
 

@@ -1,21 +1,21 @@
 // The simulation of one scalar, element and rotation. Included by the four files that instantiate it.
 #pragma once
 
-#include <corotet/assembly/assemble.hpp>
-#include <corotet/assembly/block_matrix.hpp>
-#include <corotet/core/executor.hpp>
-#include <corotet/core/thread_pool.hpp>
-#include <corotet/dynamics/bdf2.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/dynamics/soft_body.hpp>
-#include <corotet/dynamics/static_solve.hpp>
-#include <corotet/dynamics/substepping_integrator.hpp>
-#include <corotet/embed/embedded_surface.hpp>
-#include <corotet/mesh/tet_mesh.hpp>
-#include <corotet/rotation/gram_schmidt.hpp>
-#include <corotet/rotation/identity.hpp>
-#include <corotet/rotation/per_element.hpp>
-#include <corotet/rotation/polar.hpp>
+#include <corotet/detail/assembly/assemble.hpp>
+#include <corotet/detail/assembly/block_matrix.hpp>
+#include <corotet/detail/core/executor.hpp>
+#include <corotet/detail/core/thread_pool.hpp>
+#include <corotet/detail/dynamics/bdf2.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/dynamics/soft_body.hpp>
+#include <corotet/detail/dynamics/static_solve.hpp>
+#include <corotet/detail/dynamics/substepping_integrator.hpp>
+#include <corotet/detail/embed/embedded_surface.hpp>
+#include <corotet/detail/mesh/tet_mesh.hpp>
+#include <corotet/detail/rotation/gram_schmidt.hpp>
+#include <corotet/detail/rotation/identity.hpp>
+#include <corotet/detail/rotation/per_element.hpp>
+#include <corotet/detail/rotation/polar.hpp>
 #include <memory>
 #include <optional>
 #include <type_traits>

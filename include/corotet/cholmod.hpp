@@ -2,4 +2,4 @@
 /// SuiteSparse's Cholesky factorisation as a solver (GPL in part). Link corotet::cholmod.
 #pragma once
 
-#include <corotet/solve/cholmod.hpp>
+#include <corotet/detail/solve/cholmod.hpp>

@@ -2,7 +2,7 @@
 // <corotet/cholmod.hpp>. Faster to compile: those of the headers below that you need.
 #pragma once
 
-#include <corotet/core/macros_off.hpp>
+#include <corotet/detail/core/macros_off.hpp>
 
 // Those headers of the standard library that the library uses: libstdc++ does not survive macros named min and max.
 #include <algorithm>
@@ -36,7 +36,7 @@
 #include <vector>
 #include <version>
 
-#include <corotet/core/macros_on.hpp>
+#include <corotet/detail/core/macros_on.hpp>
 
 #include <corotet/executor.hpp>
 #include <corotet/integrators.hpp>

@@ -2,4 +2,4 @@
 /// Fields and small matrices as Eigen's (3.4 or 5). Link corotet::eigen.
 #pragma once
 
-#include <corotet/core/eigen.hpp>
+#include <corotet/detail/core/eigen.hpp>

@@ -2,4 +2,4 @@
 /// Threads of the caller: an ExecutorRef refers to any parallel loop. Each call that works hard takes one.
 #pragma once
 
-#include <corotet/core/executor.hpp>
+#include <corotet/detail/core/executor.hpp>

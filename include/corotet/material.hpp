@@ -2,4 +2,4 @@
 /// Young's modulus, Poisson's ratio and density, one for a body or one for each element.
 #pragma once
 
-#include <corotet/material/material.hpp>
+#include <corotet/detail/material/material.hpp>

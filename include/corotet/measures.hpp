@@ -2,5 +2,5 @@
 /// What a body tells besides its state: strain, stress, energy and volume of each element, and the reactions of pins.
 #pragma once
 
-#include <corotet/assembly/element_measures.hpp>
-#include <corotet/dynamics/measures.hpp>
+#include <corotet/detail/assembly/element_measures.hpp>
+#include <corotet/detail/dynamics/measures.hpp>

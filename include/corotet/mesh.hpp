@@ -4,13 +4,13 @@
 /// Files are in @ref group_io; quality measures and mesh generation in @ref group_meshing.
 #pragma once
 
-#include <corotet/element/tet10.hpp>
-#include <corotet/element/tet4.hpp>
-#include <corotet/mesh/boundary.hpp>
-#include <corotet/mesh/element_lines.hpp>
-#include <corotet/mesh/make_block.hpp>
-#include <corotet/mesh/mesh_data.hpp>
-#include <corotet/mesh/raise_order.hpp>
-#include <corotet/mesh/surface_mesh.hpp>
-#include <corotet/mesh/tet_mesh.hpp>
-#include <corotet/mesh/vertex_normals.hpp>
+#include <corotet/detail/element/tet10.hpp>
+#include <corotet/detail/element/tet4.hpp>
+#include <corotet/detail/mesh/boundary.hpp>
+#include <corotet/detail/mesh/element_lines.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
+#include <corotet/detail/mesh/mesh_data.hpp>
+#include <corotet/detail/mesh/raise_order.hpp>
+#include <corotet/detail/mesh/surface_mesh.hpp>
+#include <corotet/detail/mesh/tet_mesh.hpp>
+#include <corotet/detail/mesh/vertex_normals.hpp>

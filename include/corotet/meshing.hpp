@@ -2,5 +2,5 @@
 /// Isosurface stuffing of a closed surface, and measures of the quality of elements.
 #pragma once
 
-#include <corotet/mesh/quality.hpp>
-#include <corotet/mesh/stuffing/isosurface_stuffing.hpp>
+#include <corotet/detail/mesh/quality.hpp>
+#include <corotet/detail/mesh/stuffing/isosurface_stuffing.hpp>

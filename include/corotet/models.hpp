@@ -2,15 +2,15 @@
 /// The constitutive law of a body: how each quadrature point's rotation is found, and what energy the strain has.
 #pragma once
 
-#include <corotet/material/corotated.hpp>
-#include <corotet/material/elastic_model.hpp>
-#include <corotet/material/point_states.hpp>
-#include <corotet/material/principal_tangent.hpp>
-#include <corotet/material/stable_neo_hookean.hpp>
-#include <corotet/material/strain.hpp>
-#include <corotet/material/tangent_lanes.hpp>
-#include <corotet/rotation/gram_schmidt.hpp>
-#include <corotet/rotation/identity.hpp>
-#include <corotet/rotation/per_element.hpp>
-#include <corotet/rotation/polar.hpp>
-#include <corotet/rotation/rotation_extractor.hpp>
+#include <corotet/detail/material/corotated.hpp>
+#include <corotet/detail/material/elastic_model.hpp>
+#include <corotet/detail/material/point_states.hpp>
+#include <corotet/detail/material/principal_tangent.hpp>
+#include <corotet/detail/material/stable_neo_hookean.hpp>
+#include <corotet/detail/material/strain.hpp>
+#include <corotet/detail/material/tangent_lanes.hpp>
+#include <corotet/detail/rotation/gram_schmidt.hpp>
+#include <corotet/detail/rotation/identity.hpp>
+#include <corotet/detail/rotation/per_element.hpp>
+#include <corotet/detail/rotation/polar.hpp>
+#include <corotet/detail/rotation/rotation_extractor.hpp>

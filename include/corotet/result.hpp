@@ -2,5 +2,5 @@
 /// Result for bad data; COROTET_ASSERT and its handler for mistakes of the calling program.
 #pragma once
 
-#include <corotet/core/assert.hpp>
-#include <corotet/core/result.hpp>
+#include <corotet/detail/core/assert.hpp>
+#include <corotet/detail/core/result.hpp>

@@ -2,4 +2,4 @@
 /// The state of a body and of its integrator as bytes. After it is restored, steps repeat to the last bit.
 #pragma once
 
-#include <corotet/dynamics/snapshot.hpp>
+#include <corotet/detail/dynamics/snapshot.hpp>

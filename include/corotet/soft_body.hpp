@@ -4,6 +4,6 @@
 /// An integrator (@ref group_integrators) moves it.
 #pragma once
 
-#include <corotet/dynamics/body_model.hpp>
-#include <corotet/dynamics/pins.hpp>
-#include <corotet/dynamics/soft_body.hpp>
+#include <corotet/detail/dynamics/body_model.hpp>
+#include <corotet/detail/dynamics/pins.hpp>
+#include <corotet/detail/dynamics/soft_body.hpp>

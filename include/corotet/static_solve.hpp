@@ -2,4 +2,4 @@
 /// The shape in which a body rests under its pins, gravity, forces and terms.
 #pragma once
 
-#include <corotet/dynamics/static_solve.hpp>
+#include <corotet/detail/dynamics/static_solve.hpp>

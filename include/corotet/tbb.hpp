@@ -2,4 +2,4 @@
 /// An executor over oneTBB. Link corotet::tbb.
 #pragma once
 
-#include <corotet/core/tbb_executor.hpp>
+#include <corotet/detail/core/tbb_executor.hpp>

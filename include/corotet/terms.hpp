@@ -2,6 +2,6 @@
 /// Forces of your own in a step (springs, attachments, contacts, drag), with their stiffness and energy.
 #pragma once
 
-#include <corotet/terms/body_terms.hpp>
-#include <corotet/terms/step_term.hpp>
-#include <corotet/terms/term_state.hpp>
+#include <corotet/detail/terms/body_terms.hpp>
+#include <corotet/detail/terms/step_term.hpp>
+#include <corotet/detail/terms/term_state.hpp>

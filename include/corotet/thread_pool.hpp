@@ -2,4 +2,4 @@
 /// An executor of threads of its own, for programs without a job system. Link Threads::Threads.
 #pragma once
 
-#include <corotet/core/thread_pool.hpp>
+#include <corotet/detail/core/thread_pool.hpp>

@@ -2,6 +2,6 @@
 /// The types in which the library takes and returns quantities. All units are SI.
 #pragma once
 
-#include <corotet/core/matrix.hpp>
-#include <corotet/core/types.hpp>
-#include <corotet/rotation/quaternion.hpp>
+#include <corotet/detail/core/matrix.hpp>
+#include <corotet/detail/core/types.hpp>
+#include <corotet/detail/rotation/quaternion.hpp>

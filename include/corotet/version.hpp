@@ -2,4 +2,4 @@
 /// The version of the library, as macros and as constants.
 #pragma once
 
-#include <corotet/core/version.hpp>
+#include <corotet/detail/core/version.hpp>

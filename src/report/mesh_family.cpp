@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <corotet/mesh/raise_order.hpp>
+#include <corotet/detail/mesh/raise_order.hpp>
 #include <numeric>
 #include <utility>
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <array>
-#include <corotet/core/types.hpp>
-#include <corotet/mesh/make_block.hpp>
-#include <corotet/mesh/mesh_data.hpp>
+#include <corotet/detail/core/types.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
+#include <corotet/detail/mesh/mesh_data.hpp>
 #include <optional>
 #include <string>
 #include <vector>

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <corotet/core/types.hpp>
-#include <corotet/element/reference_element.hpp>
-#include <corotet/mesh/mesh_data.hpp>
-#include <corotet/mesh/raise_order.hpp>
+#include <corotet/detail/core/types.hpp>
+#include <corotet/detail/element/reference_element.hpp>
+#include <corotet/detail/mesh/mesh_data.hpp>
+#include <corotet/detail/mesh/raise_order.hpp>
 #include <cstddef>
 #include <utility>
 

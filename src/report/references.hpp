@@ -1,7 +1,7 @@
 // The runs that others are measured against. Each is made once.
 #pragma once
 
-#include <corotet/core/types.hpp>
+#include <corotet/detail/core/types.hpp>
 #include <map>
 #include <optional>
 #include <string>

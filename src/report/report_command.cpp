@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <corotet/mesh/io/file_bytes.hpp>
+#include <corotet/detail/mesh/io/file_bytes.hpp>
 #include <filesystem>
 #include <memory>
 #include <string>

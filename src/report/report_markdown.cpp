@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <corotet/core/version.hpp>
+#include <corotet/detail/core/version.hpp>
 #include <iterator>
 
 #include "report_files.hpp"

@@ -1,8 +1,8 @@
 // A case that is run again and again with other settings, and what is kept of each run.
 #pragma once
 
-#include <corotet/core/thread_pool.hpp>
-#include <corotet/core/types.hpp>
+#include <corotet/detail/core/thread_pool.hpp>
+#include <corotet/detail/core/types.hpp>
 #include <functional>
 #include <string>
 #include <vector>

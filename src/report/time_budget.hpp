@@ -3,7 +3,7 @@
 
 #include <chrono>
 #include <cmath>
-#include <corotet/core/types.hpp>
+#include <corotet/detail/core/types.hpp>
 #include <map>
 
 namespace corotet::program {

@@ -2,8 +2,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <corotet/mesh/io/file_bytes.hpp>
-#include <corotet/mesh/io/write_msh.hpp>
+#include <corotet/detail/mesh/io/file_bytes.hpp>
+#include <corotet/detail/mesh/io/write_msh.hpp>
 #include <filesystem>
 #include <memory>
 #include <string>

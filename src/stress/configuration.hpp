@@ -1,10 +1,10 @@
 // The ways to run a body that the hard cases are tried with.
 #pragma once
 
-#include <corotet/assembly/mean_dilatation.hpp>
-#include <corotet/assembly/twist_modes.hpp>
-#include <corotet/core/types.hpp>
-#include <corotet/solve/auto_solver.hpp>
+#include <corotet/detail/assembly/mean_dilatation.hpp>
+#include <corotet/detail/assembly/twist_modes.hpp>
+#include <corotet/detail/core/types.hpp>
+#include <corotet/detail/solve/auto_solver.hpp>
 #include <optional>
 #include <string>
 #include <string_view>

@@ -1,7 +1,7 @@
 // Ten thousand steps: energy that grows, drift and jitter show in the end.
 #include <algorithm>
 #include <cmath>
-#include <corotet/rotation/quaternion.hpp>
+#include <corotet/detail/rotation/quaternion.hpp>
 #include <limits>
 #include <numbers>
 #include <vector>

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <corotet/mesh/make_block.hpp>
-#include <corotet/rotation/quaternion.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
+#include <corotet/detail/rotation/quaternion.hpp>
 #include <numbers>
 
 #include "../failure.hpp"

@@ -2,7 +2,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <corotet/mesh/io/read_mesh.hpp>
+#include <corotet/detail/mesh/io/read_mesh.hpp>
 #include <filesystem>
 #include <fstream>
 #include <limits>

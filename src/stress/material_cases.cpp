@@ -2,9 +2,9 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <corotet/mesh/make_block.hpp>
-#include <corotet/mesh/quality.hpp>
-#include <corotet/mesh/raise_order.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
+#include <corotet/detail/mesh/quality.hpp>
+#include <corotet/detail/mesh/raise_order.hpp>
 #include <utility>
 
 #include "../failure.hpp"

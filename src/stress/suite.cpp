@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <corotet/core/thread_pool.hpp>
+#include <corotet/detail/core/thread_pool.hpp>
 #include <exception>
 #include <mutex>
 #include <utility>

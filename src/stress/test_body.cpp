@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <corotet/element/reference_element.hpp>
-#include <corotet/mesh/make_block.hpp>
+#include <corotet/detail/element/reference_element.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
 #include <utility>
 
 #include "../failure.hpp"

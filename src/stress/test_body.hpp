@@ -1,9 +1,9 @@
 // A body under test, and what can be measured of it.
 #pragma once
 
-#include <corotet/core/types.hpp>
-#include <corotet/dynamics/step_report.hpp>
-#include <corotet/mesh/mesh_data.hpp>
+#include <corotet/detail/core/types.hpp>
+#include <corotet/detail/dynamics/step_report.hpp>
+#include <corotet/detail/mesh/mesh_data.hpp>
 #include <functional>
 #include <memory>
 #include <vector>

@@ -1,6 +1,6 @@
 // Patches of mean dilatation: what every grouping must be, and what comes out for structured and for ragged meshes.
-#include <corotet/assembly/dilatation_patches.hpp>
-#include <corotet/mesh/make_block.hpp>
+#include <corotet/detail/assembly/dilatation_patches.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>

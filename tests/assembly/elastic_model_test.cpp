@@ -1,14 +1,14 @@
 // The laws of ElasticModel: stress from energy, tangent from stress, frames, semi-definite parts, states.
-#include <corotet/assembly/elasticity.hpp>
-#include <corotet/core/eigen.hpp>
-#include <corotet/core/state_archive.hpp>
-#include <corotet/dynamics/soft_body.hpp>
-#include <corotet/material/corotated.hpp>
-#include <corotet/material/principal_tangent.hpp>
-#include <corotet/material/stable_neo_hookean.hpp>
-#include <corotet/rotation/gram_schmidt.hpp>
-#include <corotet/rotation/identity.hpp>
-#include <corotet/rotation/per_element.hpp>
+#include <corotet/detail/assembly/elasticity.hpp>
+#include <corotet/detail/core/eigen.hpp>
+#include <corotet/detail/core/state_archive.hpp>
+#include <corotet/detail/dynamics/soft_body.hpp>
+#include <corotet/detail/material/corotated.hpp>
+#include <corotet/detail/material/principal_tangent.hpp>
+#include <corotet/detail/material/stable_neo_hookean.hpp>
+#include <corotet/detail/rotation/gram_schmidt.hpp>
+#include <corotet/detail/rotation/identity.hpp>
+#include <corotet/detail/rotation/per_element.hpp>
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>

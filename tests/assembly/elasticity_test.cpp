@@ -1,10 +1,10 @@
 // The laws of the elastic law: force from energy, tangent from force, rotations, affine states, the warped stiffness.
-#include <corotet/assembly/elasticity.hpp>
-#include <corotet/core/eigen.hpp>
-#include <corotet/rotation/gram_schmidt.hpp>
-#include <corotet/rotation/identity.hpp>
-#include <corotet/rotation/per_element.hpp>
-#include <corotet/rotation/polar.hpp>
+#include <corotet/detail/assembly/elasticity.hpp>
+#include <corotet/detail/core/eigen.hpp>
+#include <corotet/detail/rotation/gram_schmidt.hpp>
+#include <corotet/detail/rotation/identity.hpp>
+#include <corotet/detail/rotation/per_element.hpp>
+#include <corotet/detail/rotation/polar.hpp>
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>

@@ -1,5 +1,5 @@
-#include <corotet/assembly/element_measures.hpp>
-#include <corotet/rotation/gram_schmidt.hpp>
+#include <corotet/detail/assembly/element_measures.hpp>
+#include <corotet/detail/rotation/gram_schmidt.hpp>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // The sparsity pattern finds each pair of neighbours once, and mass is neither lost nor gained.
-#include <corotet/assembly/block_pattern.hpp>
-#include <corotet/assembly/mass.hpp>
+#include <corotet/detail/assembly/block_pattern.hpp>
+#include <corotet/detail/assembly/mass.hpp>
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>

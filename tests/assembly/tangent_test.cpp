@@ -1,6 +1,6 @@
 // Tangents of the elastic force: what each adds to the warped stiffness, against differences of the force.
-#include <corotet/assembly/twist_modes.hpp>
-#include <corotet/core/eigen.hpp>
+#include <corotet/detail/assembly/twist_modes.hpp>
+#include <corotet/detail/core/eigen.hpp>
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>

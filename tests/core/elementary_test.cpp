@@ -1,6 +1,6 @@
 // Our own elementary functions against the C library's, and the test of contraction.
-#include <corotet/core/contraction.hpp>
-#include <corotet/core/elementary.hpp>
+#include <corotet/detail/core/contraction.hpp>
+#include <corotet/detail/core/elementary.hpp>
 #include <gtest/gtest.h>
 
 #include <cmath>

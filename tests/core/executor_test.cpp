@@ -1,6 +1,6 @@
 // for_ranges covers every index once, in ranges that do not depend on the executor.
-#include <corotet/core/executor.hpp>
-#include <corotet/core/result.hpp>
+#include <corotet/detail/core/executor.hpp>
+#include <corotet/detail/core/result.hpp>
 #include <gtest/gtest.h>
 
 #include <memory>

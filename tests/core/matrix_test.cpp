@@ -1,6 +1,6 @@
 // The library's small matrices against Eigen's: the same results, the same numbers in memory, and the way to and fro.
-#include <corotet/core/eigen.hpp>
-#include <corotet/core/types.hpp>
+#include <corotet/detail/core/eigen.hpp>
+#include <corotet/detail/core/types.hpp>
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>

@@ -1,4 +1,4 @@
-#include <corotet/core/parse_number.hpp>
+#include <corotet/detail/core/parse_number.hpp>
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <bit>
 #include <clocale>
 #include <cmath>
-#include <corotet/core/from_chars_by_strtod.hpp>
+#include <corotet/detail/core/from_chars_by_strtod.hpp>
 #include <cstdio>
 #include <limits>
 #include <random>

@@ -4,8 +4,8 @@
 
 #include <atomic>
 #include <cmath>
-#include <corotet/core/executor.hpp>
-#include <corotet/core/tbb_executor.hpp>
+#include <corotet/detail/core/executor.hpp>
+#include <corotet/detail/core/tbb_executor.hpp>
 #include <thread>
 #include <vector>
 

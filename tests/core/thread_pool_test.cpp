@@ -1,4 +1,4 @@
-#include <corotet/core/thread_pool.hpp>
+#include <corotet/detail/core/thread_pool.hpp>
 #include <gtest/gtest.h>
 
 #include <atomic>

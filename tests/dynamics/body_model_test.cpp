@@ -1,6 +1,6 @@
 // What copies of a body share, and bodies that travel far.
-#include <corotet/dynamics/bdf2.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
+#include <corotet/detail/dynamics/bdf2.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
 #include <gtest/gtest.h>
 
 #include <memory>

@@ -1,8 +1,8 @@
 // Steps of bodies with another elastic model than the corotated one: the same integrators and Newton's method.
-#include <corotet/core/eigen.hpp>
-#include <corotet/dynamics/bdf2.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/material/stable_neo_hookean.hpp>
+#include <corotet/detail/core/eigen.hpp>
+#include <corotet/detail/dynamics/bdf2.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/material/stable_neo_hookean.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // A step does what its equation says, keeps what it must keep, and says what happened.
-#include <corotet/core/eigen.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/rotation/gram_schmidt.hpp>
-#include <corotet/rotation/identity.hpp>
-#include <corotet/rotation/quaternion.hpp>
+#include <corotet/detail/core/eigen.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/rotation/gram_schmidt.hpp>
+#include <corotet/detail/rotation/identity.hpp>
+#include <corotet/detail/rotation/quaternion.hpp>
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>

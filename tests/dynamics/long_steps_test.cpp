@@ -1,7 +1,7 @@
 // Steps that are long against the time in which a body moves.
-#include <corotet/dynamics/bdf2.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/dynamics/wave_transit_time.hpp>
+#include <corotet/detail/dynamics/bdf2.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/dynamics/wave_transit_time.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>

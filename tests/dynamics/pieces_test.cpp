@@ -1,7 +1,7 @@
 // Pieces of one mesh that do not touch move as each does alone: bit for bit, whatever the others do.
-#include <corotet/dynamics/bdf2.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/dynamics/substepping_integrator.hpp>
+#include <corotet/detail/dynamics/bdf2.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/dynamics/substepping_integrator.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // The forces of pins: balance of forces at rest and of momenta in motion.
-#include <corotet/core/executor.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/dynamics/measures.hpp>
+#include <corotet/detail/core/executor.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/dynamics/measures.hpp>
 #include <gtest/gtest.h>
 
 #include <array>

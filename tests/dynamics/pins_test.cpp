@@ -1,7 +1,7 @@
 // Pins along some axes, and what released vertices take with them.
-#include <corotet/dynamics/bdf2.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/dynamics/static_solve.hpp>
+#include <corotet/detail/dynamics/bdf2.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/dynamics/static_solve.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>

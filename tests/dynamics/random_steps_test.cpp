@@ -2,10 +2,10 @@
 // state that its report describes, or changes nothing; and it does the same again.
 //
 // COROTET_TEST_SEED=N runs seed N alone.
-#include <corotet/core/eigen.hpp>
-#include <corotet/dynamics/bdf2.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/dynamics/substepping_integrator.hpp>
+#include <corotet/detail/core/eigen.hpp>
+#include <corotet/detail/dynamics/bdf2.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/dynamics/substepping_integrator.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Bodies that start flat, on a line, in a point or mirrored come back to their rest shape.
-#include <corotet/core/eigen.hpp>
-#include <corotet/dynamics/bdf2.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
+#include <corotet/detail/core/eigen.hpp>
+#include <corotet/detail/dynamics/bdf2.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
 #include <gtest/gtest.h>
 
 #include <array>

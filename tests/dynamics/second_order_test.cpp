@@ -1,8 +1,8 @@
 // How the error of a run falls with the time step, and what else the integrators promise of time.
-#include <corotet/core/eigen.hpp>
-#include <corotet/dynamics/bdf2.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/rotation/quaternion.hpp>
+#include <corotet/detail/core/eigen.hpp>
+#include <corotet/detail/dynamics/bdf2.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/rotation/quaternion.hpp>
 #include <gtest/gtest.h>
 
 #include <array>

@@ -1,8 +1,8 @@
 // States that are saved and restored: what follows is the same to the last bit.
-#include <corotet/dynamics/bdf2.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/dynamics/snapshot.hpp>
-#include <corotet/dynamics/substepping_integrator.hpp>
+#include <corotet/detail/dynamics/bdf2.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/dynamics/snapshot.hpp>
+#include <corotet/detail/dynamics/substepping_integrator.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>

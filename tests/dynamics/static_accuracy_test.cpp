@@ -1,5 +1,5 @@
 // Static answers against theory: patch test, Timoshenko's beam, and a beam that bends far under its own weight.
-#include <corotet/dynamics/static_solve.hpp>
+#include <corotet/detail/dynamics/static_solve.hpp>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // The shape in which a body rests.
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/dynamics/static_solve.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/dynamics/static_solve.hpp>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,13 +1,13 @@
 // A step allocates nothing, and gives the same bits twice and on any number of threads. Built with optimisation for
 // this machine's processor (tests/CMakeLists.txt): a compiler that contracts a * b + c can make two different loops of
 // one.
-#include <corotet/core/thread_pool.hpp>
-#include <corotet/dynamics/bdf2.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/dynamics/measures.hpp>
-#include <corotet/dynamics/step_bodies.hpp>
-#include <corotet/embed/point_locator.hpp>
-#include <corotet/embed/point_on_body.hpp>
+#include <corotet/detail/core/thread_pool.hpp>
+#include <corotet/detail/dynamics/bdf2.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/dynamics/measures.hpp>
+#include <corotet/detail/dynamics/step_bodies.hpp>
+#include <corotet/detail/embed/point_locator.hpp>
+#include <corotet/detail/embed/point_on_body.hpp>
 #include <gtest/gtest.h>
 
 #include <atomic>

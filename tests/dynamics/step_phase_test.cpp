@@ -1,13 +1,13 @@
 #include <gtest/gtest.h>
 
-#include <corotet/core/executor.hpp>
-#include <corotet/core/revision.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/dynamics/lag_key.hpp>
-#include <corotet/dynamics/soft_body.hpp>
-#include <corotet/dynamics/step_phase.hpp>
-#include <corotet/mesh/make_block.hpp>
-#include <corotet/mesh/tet_mesh.hpp>
+#include <corotet/detail/core/executor.hpp>
+#include <corotet/detail/core/revision.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/dynamics/lag_key.hpp>
+#include <corotet/detail/dynamics/soft_body.hpp>
+#include <corotet/detail/dynamics/step_phase.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
+#include <corotet/detail/mesh/tet_mesh.hpp>
 #include <cstdint>
 #include <limits>
 #include <vector>

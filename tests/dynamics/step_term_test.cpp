@@ -1,8 +1,8 @@
 // The door for all that acts on a body: a spring to a point, written here, is implicit, stable at any stiffness, and
 // counted in momenta and energy; what the body has itself can be written as a term, too.
-#include <corotet/dynamics/bdf2.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/terms/step_term.hpp>
+#include <corotet/detail/dynamics/bdf2.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/terms/step_term.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // Steps that cannot be trusted: accepted, refused or divided.
-#include <corotet/core/eigen.hpp>
-#include <corotet/dynamics/bdf2.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/dynamics/substepping_integrator.hpp>
+#include <corotet/detail/core/eigen.hpp>
+#include <corotet/detail/dynamics/bdf2.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/dynamics/substepping_integrator.hpp>
 #include <gtest/gtest.h>
 
 #include <limits>

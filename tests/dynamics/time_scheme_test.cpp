@@ -1,8 +1,8 @@
 // The doors for time schemes and for Newton's method: a scheme of third order, written here, reaches its order;
 // Newton's method solves a problem that is no body.
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/dynamics/integrator.hpp>
-#include <corotet/dynamics/newton.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/dynamics/integrator.hpp>
+#include <corotet/detail/dynamics/newton.hpp>
 #include <gtest/gtest.h>
 
 #include <cmath>

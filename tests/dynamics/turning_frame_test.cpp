@@ -1,7 +1,7 @@
 // How a free body spins: it turns and does not grow, and no energy comes from nowhere.
-#include <corotet/core/eigen.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/rotation/quaternion.hpp>
+#include <corotet/detail/core/eigen.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/rotation/quaternion.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,14 +1,14 @@
 // An element that is not the library's: a hexahedron carries meshes, bodies and steps; what needs a tetrahedron refuses
 // it.
-#include <corotet/assembly/elasticity.hpp>
-#include <corotet/core/eigen.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/embed/embedded_surface.hpp>
-#include <corotet/material/stable_neo_hookean.hpp>
-#include <corotet/mesh/boundary.hpp>
-#include <corotet/mesh/element_lines.hpp>
-#include <corotet/mesh/element_quality.hpp>
-#include <corotet/mesh/io/vtu_values.hpp>
+#include <corotet/detail/assembly/elasticity.hpp>
+#include <corotet/detail/core/eigen.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/embed/embedded_surface.hpp>
+#include <corotet/detail/material/stable_neo_hookean.hpp>
+#include <corotet/detail/mesh/boundary.hpp>
+#include <corotet/detail/mesh/element_lines.hpp>
+#include <corotet/detail/mesh/element_quality.hpp>
+#include <corotet/detail/mesh/io/vtu_values.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>

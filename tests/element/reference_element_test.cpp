@@ -1,7 +1,7 @@
 // The laws of ReferenceElement.
-#include <corotet/element/reference_element.hpp>
-#include <corotet/element/tet10.hpp>
-#include <corotet/element/tet4.hpp>
+#include <corotet/detail/element/reference_element.hpp>
+#include <corotet/detail/element/tet10.hpp>
+#include <corotet/detail/element/tet4.hpp>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include <array>
 #include <cmath>
-#include <corotet/embed/coordinates.hpp>
+#include <corotet/detail/embed/coordinates.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>

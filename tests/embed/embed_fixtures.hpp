@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <corotet/embed/embedded_surface.hpp>
-#include <corotet/mesh/make_block.hpp>
+#include <corotet/detail/embed/embedded_surface.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
 #include <limits>
 #include <random>
 #include <vector>

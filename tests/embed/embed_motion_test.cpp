@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <corotet/embed/embedded_surface.hpp>
+#include <corotet/detail/embed/embedded_surface.hpp>
 
 #include "embed/embed_fixtures.hpp"
 #include "support/matrices.hpp"

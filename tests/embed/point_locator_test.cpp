@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <corotet/embed/point_locator.hpp>
+#include <corotet/detail/embed/point_locator.hpp>
 #include <limits>
 #include <vector>
 

@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/embed/embedded_surface.hpp>
-#include <corotet/embed/point_locator.hpp>
-#include <corotet/embed/point_on_body.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/embed/embedded_surface.hpp>
+#include <corotet/detail/embed/point_locator.hpp>
+#include <corotet/detail/embed/point_on_body.hpp>
 #include <limits>
 #include <vector>
 

@@ -1,7 +1,7 @@
 // Checks that hold whatever the bytes, with or without NDEBUG.
 #pragma once
 
-#include <corotet/core/result.hpp>
+#include <corotet/detail/core/result.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>

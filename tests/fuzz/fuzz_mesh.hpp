@@ -1,12 +1,12 @@
 // What every fuzz target of a reader of tetrahedral meshes checks, whatever the bytes.
 #pragma once
 
-#include <corotet/element/tet10.hpp>
-#include <corotet/element/tet4.hpp>
-#include <corotet/mesh/io/read_msh.hpp>
-#include <corotet/mesh/io/write_msh.hpp>
-#include <corotet/mesh/raise_order.hpp>
-#include <corotet/mesh/tet_mesh.hpp>
+#include <corotet/detail/element/tet10.hpp>
+#include <corotet/detail/element/tet4.hpp>
+#include <corotet/detail/mesh/io/read_msh.hpp>
+#include <corotet/detail/mesh/io/write_msh.hpp>
+#include <corotet/detail/mesh/raise_order.hpp>
+#include <corotet/detail/mesh/tet_mesh.hpp>
 
 #include "fuzz/fuzz_check.hpp"
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cmath>
-#include <corotet/mesh/io/read_obj.hpp>
-#include <corotet/mesh/io/write_obj.hpp>
-#include <corotet/mesh/surface_mesh.hpp>
+#include <corotet/detail/mesh/io/read_obj.hpp>
+#include <corotet/detail/mesh/io/write_obj.hpp>
+#include <corotet/detail/mesh/surface_mesh.hpp>
 
 #include "fuzz/fuzz_check.hpp"
 

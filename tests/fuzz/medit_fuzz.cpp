@@ -1,4 +1,4 @@
-#include <corotet/mesh/io/read_medit.hpp>
+#include <corotet/detail/mesh/io/read_medit.hpp>
 
 #include "fuzz/fuzz_mesh.hpp"
 

@@ -1,4 +1,4 @@
-#include <corotet/mesh/io/read_obj.hpp>
+#include <corotet/detail/mesh/io/read_obj.hpp>
 
 #include "fuzz/fuzz_surface.hpp"
 

@@ -1,4 +1,4 @@
-#include <corotet/mesh/io/read_off.hpp>
+#include <corotet/detail/mesh/io/read_off.hpp>
 
 #include "fuzz/fuzz_surface.hpp"
 

@@ -1,4 +1,4 @@
-#include <corotet/mesh/io/read_ply.hpp>
+#include <corotet/detail/mesh/io/read_ply.hpp>
 
 #include "fuzz/fuzz_surface.hpp"
 

@@ -1,4 +1,4 @@
-#include <corotet/mesh/io/read_stl.hpp>
+#include <corotet/detail/mesh/io/read_stl.hpp>
 
 #include "fuzz/fuzz_surface.hpp"
 

@@ -1,4 +1,4 @@
-#include <corotet/mesh/io/read_vega.hpp>
+#include <corotet/detail/mesh/io/read_vega.hpp>
 
 #include "fuzz/fuzz_mesh.hpp"
 

@@ -4,8 +4,8 @@
 Usage: check_headers.py RULE INCLUDE_DIR [--opt-in HEADER ...]
 
 RULE is one of
-  layers     a header includes only its own folder and the folders below it; a face header, which lies outside the
-             folders, includes headers of the folders alone
+  layers     a header of a folder in detail/ includes only its own folder and the folders below it; a face header, which
+             lies outside detail/, includes headers of these folders alone
   alone      what few programs need (files, mesh generation) is reached by its own face header alone
   forbidden  no exceptions, RTTI, printing or exiting, no macro but COROTET_... and no name that is one elsewhere
   length     under 500 lines a header, at most 120 characters a line
@@ -24,7 +24,7 @@ from pathlib import Path
 LAYERS = ["core", "element", "mesh", "rotation", "material", "assembly", "solve", "terms", "dynamics", "embed", "scene"]
 
 # The one face header that includes headers of a folder.
-ALONE = {"corotet/mesh/io/": "corotet/io.hpp", "corotet/mesh/stuffing/": "corotet/meshing.hpp"}
+ALONE = {"corotet/detail/mesh/io/": "corotet/io.hpp", "corotet/detail/mesh/stuffing/": "corotet/meshing.hpp"}
 
 FORBIDDEN = [
     (r"\bthrow\b|\btry\b|\bcatch\b", "the library does not use exceptions: return a Result"),
@@ -42,7 +42,7 @@ FORBIDDEN = [
     ),
 ]
 # Those two put such macros aside.
-MACRO_HEADERS = ("corotet/core/macros_off.hpp", "corotet/core/macros_on.hpp")
+MACRO_HEADERS = ("corotet/detail/core/macros_off.hpp", "corotet/detail/core/macros_on.hpp")
 
 UMBRELLA = "corotet/corotet.hpp"
 
@@ -72,8 +72,11 @@ def headers_in(include_dir):
 
 
 def layer_of(header):
+    """The folder of detail/ that it lies in; "" for one that lies elsewhere than it may, None for the face."""
     parts = header.split("/")
-    return parts[1] if len(parts) > 2 else None
+    if len(parts) == 2:
+        return None
+    return parts[2] if parts[1] == "detail" and len(parts) > 3 else ""
 
 
 def is_face(header):

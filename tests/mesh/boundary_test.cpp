@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <corotet/mesh/boundary.hpp>
-#include <corotet/mesh/make_block.hpp>
+#include <corotet/detail/mesh/boundary.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
 #include <map>
 #include <random>
 #include <set>

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <corotet/mesh/box_tree.hpp>
+#include <corotet/detail/mesh/box_tree.hpp>
 #include <random>
 #include <vector>
 

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <corotet/mesh/closest_point.hpp>
+#include <corotet/detail/mesh/closest_point.hpp>
 #include <numeric>
 #include <random>
 

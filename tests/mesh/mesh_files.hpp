@@ -4,14 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <corotet/element/reference_element.hpp>
-#include <corotet/element/tet10.hpp>
-#include <corotet/element/tet4.hpp>
-#include <corotet/mesh/make_block.hpp>
-#include <corotet/mesh/mesh_data.hpp>
-#include <corotet/mesh/raise_order.hpp>
-#include <corotet/mesh/tet_mesh.hpp>
-#include <corotet/mesh/validate.hpp>
+#include <corotet/detail/element/reference_element.hpp>
+#include <corotet/detail/element/tet10.hpp>
+#include <corotet/detail/element/tet4.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
+#include <corotet/detail/mesh/mesh_data.hpp>
+#include <corotet/detail/mesh/raise_order.hpp>
+#include <corotet/detail/mesh/tet_mesh.hpp>
+#include <corotet/detail/mesh/validate.hpp>
 #include <cstdlib>
 #include <filesystem>
 #include <map>

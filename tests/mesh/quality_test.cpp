@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <corotet/mesh/make_block.hpp>
-#include <corotet/mesh/quality.hpp>
-#include <corotet/rotation/quaternion.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
+#include <corotet/detail/mesh/quality.hpp>
+#include <corotet/detail/rotation/quaternion.hpp>
 #include <limits>
 #include <numbers>
 #include <numeric>

@@ -5,8 +5,8 @@
 #include <array>
 #include <bit>
 #include <clocale>
-#include <corotet/mesh/io/read_mesh.hpp>
-#include <corotet/mesh/io/write_msh.hpp>
+#include <corotet/detail/mesh/io/read_mesh.hpp>
+#include <corotet/detail/mesh/io/write_msh.hpp>
 #include <filesystem>
 #include <string>
 #include <vector>

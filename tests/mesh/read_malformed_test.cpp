@@ -1,7 +1,7 @@
 // Every malformed file gives the error that it should: no crash, no hang, no mesh.
 #include <gtest/gtest.h>
 
-#include <corotet/mesh/io/read_mesh.hpp>
+#include <corotet/detail/mesh/io/read_mesh.hpp>
 #include <filesystem>
 #include <map>
 #include <set>

@@ -1,7 +1,7 @@
 // Meshes that gmsh and TetGen wrote: those in tests/data/real, and fresh ones where the programs are installed.
 #include <gtest/gtest.h>
 
-#include <corotet/mesh/io/read_mesh.hpp>
+#include <corotet/detail/mesh/io/read_mesh.hpp>
 #include <filesystem>
 #include <string>
 #include <vector>

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <corotet/mesh/io/read_surface.hpp>
-#include <corotet/mesh/io/write_obj.hpp>
+#include <corotet/detail/mesh/io/read_surface.hpp>
+#include <corotet/detail/mesh/io/write_obj.hpp>
 #include <filesystem>
 #include <map>
 #include <random>

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <corotet/mesh/make_block.hpp>
-#include <corotet/mesh/quality.hpp>
-#include <corotet/mesh/stuffing/isosurface_stuffing.hpp>
-#include <corotet/mesh/tet_mesh.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
+#include <corotet/detail/mesh/quality.hpp>
+#include <corotet/detail/mesh/stuffing/isosurface_stuffing.hpp>
+#include <corotet/detail/mesh/tet_mesh.hpp>
 #include <limits>
 #include <numbers>
 #include <random>

@@ -1,7 +1,7 @@
 // What TetMesh::create promises, and refuses by name; raising and lowering the order; structured blocks.
-#include <corotet/mesh/make_block.hpp>
-#include <corotet/mesh/raise_order.hpp>
-#include <corotet/mesh/tet_mesh.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
+#include <corotet/detail/mesh/raise_order.hpp>
+#include <corotet/detail/mesh/tet_mesh.hpp>
 #include <gtest/gtest.h>
 
 #include <limits>

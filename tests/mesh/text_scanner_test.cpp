@@ -1,11 +1,11 @@
-#include <corotet/mesh/io/text_scanner.hpp>
+#include <corotet/detail/mesh/io/text_scanner.hpp>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <corotet/mesh/io/byte_reader.hpp>
-#include <corotet/mesh/io/file_bytes.hpp>
-#include <corotet/mesh/io/text_writer.hpp>
+#include <corotet/detail/mesh/io/byte_reader.hpp>
+#include <corotet/detail/mesh/io/file_bytes.hpp>
+#include <corotet/detail/mesh/io/text_writer.hpp>
 #include <limits>
 #include <random>
 #include <string>

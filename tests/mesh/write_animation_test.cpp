@@ -1,12 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <corotet/mesh/animation.hpp>
-#include <corotet/mesh/creases.hpp>
-#include <corotet/mesh/element_lines.hpp>
-#include <corotet/mesh/io/contours.hpp>
-#include <corotet/mesh/io/write_animation_html.hpp>
-#include <corotet/mesh/io/write_filmstrip_svg.hpp>
+#include <corotet/detail/mesh/animation.hpp>
+#include <corotet/detail/mesh/creases.hpp>
+#include <corotet/detail/mesh/element_lines.hpp>
+#include <corotet/detail/mesh/io/contours.hpp>
+#include <corotet/detail/mesh/io/write_animation_html.hpp>
+#include <corotet/detail/mesh/io/write_filmstrip_svg.hpp>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include <corotet/mesh/io/read_mesh.hpp>
-#include <corotet/mesh/io/write_msh.hpp>
+#include <corotet/detail/mesh/io/read_mesh.hpp>
+#include <corotet/detail/mesh/io/write_msh.hpp>
 #include <limits>
 #include <tuple>
 

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <corotet/mesh/io/write_obj.hpp>
+#include <corotet/detail/mesh/io/write_obj.hpp>
 #include <limits>
 #include <sstream>
 

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include <corotet/mesh/io/write_vtu.hpp>
-#include <corotet/mesh/make_block.hpp>
+#include <corotet/detail/mesh/io/write_vtu.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
 #include <cstring>
 #include <limits>
 #include <map>

@@ -1,10 +1,10 @@
 // What two sources of one program that are compiled with different flags must agree on.
 #pragma once
 
-#include <corotet/dynamics/bdf2.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/embed/embedded_surface.hpp>
-#include <corotet/mesh/make_block.hpp>
+#include <corotet/detail/dynamics/bdf2.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/embed/embedded_surface.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
 #include <cstddef>
 #include <memory>
 #include <utility>

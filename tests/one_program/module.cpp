@@ -1,5 +1,5 @@
 // A shared library that keeps its names to itself, and so numbers states for itself.
-#include <corotet/core/revision.hpp>
+#include <corotet/detail/core/revision.hpp>
 
 __attribute__((visibility("default"))) corotet::Revision MODULE_REVISION();
 corotet::Revision MODULE_REVISION() { return corotet::new_revision(); }

@@ -3,14 +3,14 @@
 // the tip as a number to compare by where the bytes differ. Exit code 0 if everything worked.
 #include <array>
 #include <bit>
-#include <corotet/core/from_chars_by_strtod.hpp>
-#include <corotet/core/parse_number.hpp>
-#include <corotet/dynamics/bdf2.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/embed/embedded_surface.hpp>
-#include <corotet/mesh/boundary.hpp>
-#include <corotet/mesh/io/read_medit.hpp>
-#include <corotet/mesh/make_block.hpp>
+#include <corotet/detail/core/from_chars_by_strtod.hpp>
+#include <corotet/detail/core/parse_number.hpp>
+#include <corotet/detail/dynamics/bdf2.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/embed/embedded_surface.hpp>
+#include <corotet/detail/mesh/boundary.hpp>
+#include <corotet/detail/mesh/io/read_medit.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
 #include <cstdint>
 #include <cstdio>
 #include <string_view>

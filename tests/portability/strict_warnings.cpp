@@ -1,6 +1,6 @@
 // Nothing of this is run: it instantiates the library for compilers with all warnings on.
-#include <corotet/core/eigen.hpp>
 #include <corotet/corotet.hpp>
+#include <corotet/detail/core/eigen.hpp>
 template <class S, class E>
 int use() {
   using namespace corotet;

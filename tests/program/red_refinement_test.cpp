@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <corotet/mesh/boundary.hpp>
-#include <corotet/mesh/make_block.hpp>
-#include <corotet/mesh/tet_mesh.hpp>
+#include <corotet/detail/mesh/boundary.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
+#include <corotet/detail/mesh/tet_mesh.hpp>
 #include <utility>
 
 #include "report/red_refinement.hpp"

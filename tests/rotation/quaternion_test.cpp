@@ -1,6 +1,6 @@
 // Rotations as quaternions and vectors against Eigen's.
-#include <corotet/core/eigen.hpp>
-#include <corotet/rotation/quaternion.hpp>
+#include <corotet/detail/core/eigen.hpp>
+#include <corotet/detail/rotation/quaternion.hpp>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>

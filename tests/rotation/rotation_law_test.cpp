@@ -1,9 +1,9 @@
 // The law of RotationExtractor: for every finite F the result is a rotation; for Polar it is the nearest one.
-#include <corotet/core/eigen.hpp>
-#include <corotet/rotation/gram_schmidt.hpp>
-#include <corotet/rotation/identity.hpp>
-#include <corotet/rotation/per_element.hpp>
-#include <corotet/rotation/polar.hpp>
+#include <corotet/detail/core/eigen.hpp>
+#include <corotet/detail/rotation/gram_schmidt.hpp>
+#include <corotet/detail/rotation/identity.hpp>
+#include <corotet/detail/rotation/per_element.hpp>
+#include <corotet/detail/rotation/polar.hpp>
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>

@@ -1,7 +1,7 @@
 // CHOLMOD as the solver of a step gives the steps that our own factorisation gives.
-#include <corotet/core/eigen.hpp>
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/solve/cholmod.hpp>
+#include <corotet/detail/core/eigen.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/solve/cholmod.hpp>
 #include <gtest/gtest.h>
 #include <memory>
 

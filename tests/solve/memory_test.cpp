@@ -1,9 +1,9 @@
 // A copy of a solver costs its numbers alone, knows how many bytes they are, and goes on bit for bit.
-#include <corotet/solve/auto_solver.hpp>
-#include <corotet/solve/block_jacobi.hpp>
-#include <corotet/solve/pcg_solver.hpp>
-#include <corotet/solve/rigid_aggregates.hpp>
-#include <corotet/solve/warped_cholesky.hpp>
+#include <corotet/detail/solve/auto_solver.hpp>
+#include <corotet/detail/solve/block_jacobi.hpp>
+#include <corotet/detail/solve/pcg_solver.hpp>
+#include <corotet/detail/solve/rigid_aggregates.hpp>
+#include <corotet/detail/solve/warped_cholesky.hpp>
 #include <gtest/gtest.h>
 
 #include <cstring>

@@ -1,8 +1,8 @@
 // The order of elimination: a permutation whatever the graph, the same every time, and with as little fill as that of
 // the well-known implementation.
-#include <corotet/mesh/make_block.hpp>
-#include <corotet/solve/minimum_degree.hpp>
-#include <corotet/solve/symbolic_factor.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
+#include <corotet/detail/solve/minimum_degree.hpp>
+#include <corotet/detail/solve/symbolic_factor.hpp>
 #include <gtest/gtest.h>
 
 #include <Eigen/OrderingMethods>

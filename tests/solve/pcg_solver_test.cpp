@@ -1,9 +1,9 @@
 // A preconditioner of a reader's own: one class, and it serves a step.
-#include <corotet/dynamics/implicit_euler.hpp>
-#include <corotet/solve/block_jacobi.hpp>
-#include <corotet/solve/pcg_solver.hpp>
-#include <corotet/solve/rigid_aggregates.hpp>
-#include <corotet/solve/warped_cholesky.hpp>
+#include <corotet/detail/dynamics/implicit_euler.hpp>
+#include <corotet/detail/solve/block_jacobi.hpp>
+#include <corotet/detail/solve/pcg_solver.hpp>
+#include <corotet/detail/solve/rigid_aggregates.hpp>
+#include <corotet/detail/solve/warped_cholesky.hpp>
 #include <gtest/gtest.h>
 
 #include <cmath>

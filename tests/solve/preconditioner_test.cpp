@@ -1,9 +1,9 @@
 // Preconditioners: their law, their use, and the cases in which they degenerate.
-#include <corotet/rotation/quaternion.hpp>
-#include <corotet/solve/block_jacobi.hpp>
-#include <corotet/solve/pcg.hpp>
-#include <corotet/solve/rigid_aggregates.hpp>
-#include <corotet/solve/warped_cholesky.hpp>
+#include <corotet/detail/rotation/quaternion.hpp>
+#include <corotet/detail/solve/block_jacobi.hpp>
+#include <corotet/detail/solve/pcg.hpp>
+#include <corotet/detail/solve/rigid_aggregates.hpp>
+#include <corotet/detail/solve/warped_cholesky.hpp>
 #include <gtest/gtest.h>
 
 #include <array>

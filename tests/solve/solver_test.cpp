@@ -1,7 +1,7 @@
 // The linear solvers: right answers, honest reports.
-#include <corotet/core/eigen.hpp>
-#include <corotet/rotation/quaternion.hpp>
-#include <corotet/solve/auto_solver.hpp>
+#include <corotet/detail/core/eigen.hpp>
+#include <corotet/detail/rotation/quaternion.hpp>
+#include <corotet/detail/solve/auto_solver.hpp>
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <corotet/assembly/assemble.hpp>
-#include <corotet/assembly/mass.hpp>
-#include <corotet/core/eigen.hpp>
-#include <corotet/rotation/polar.hpp>
-#include <corotet/solve/step_system.hpp>
+#include <corotet/detail/assembly/assemble.hpp>
+#include <corotet/detail/assembly/mass.hpp>
+#include <corotet/detail/core/eigen.hpp>
+#include <corotet/detail/rotation/polar.hpp>
+#include <corotet/detail/solve/step_system.hpp>
 #include <cstdint>
 #include <memory>
 #include <vector>

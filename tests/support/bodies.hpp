@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <corotet/core/types.hpp>
-#include <corotet/dynamics/soft_body.hpp>
-#include <corotet/mesh/make_block.hpp>
-#include <corotet/mesh/tet_mesh.hpp>
+#include <corotet/detail/core/types.hpp>
+#include <corotet/detail/dynamics/soft_body.hpp>
+#include <corotet/detail/mesh/make_block.hpp>
+#include <corotet/detail/mesh/tet_mesh.hpp>
 #include <cstdlib>
 #include <utility>
 

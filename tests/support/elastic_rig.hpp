@@ -1,13 +1,13 @@
 // A mesh with its elastic law, evaluated on demand.
 #pragma once
 
-#include <corotet/assembly/add_twist.hpp>
-#include <corotet/assembly/assemble.hpp>
-#include <corotet/assembly/elasticity.hpp>
-#include <corotet/assembly/mass.hpp>
-#include <corotet/core/eigen.hpp>
-#include <corotet/mesh/tet_mesh.hpp>
-#include <corotet/rotation/polar.hpp>
+#include <corotet/detail/assembly/add_twist.hpp>
+#include <corotet/detail/assembly/assemble.hpp>
+#include <corotet/detail/assembly/elasticity.hpp>
+#include <corotet/detail/assembly/mass.hpp>
+#include <corotet/detail/core/eigen.hpp>
+#include <corotet/detail/mesh/tet_mesh.hpp>
+#include <corotet/detail/rotation/polar.hpp>
 #include <memory>
 #include <utility>
 

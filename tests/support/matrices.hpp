@@ -1,7 +1,7 @@
 // Matrices from their numbers.
 #pragma once
 
-#include <corotet/core/types.hpp>
+#include <corotet/detail/core/types.hpp>
 
 namespace corotet::testing {
 

@@ -1,8 +1,8 @@
 // Random input for property tests: seeded, so that a failure can be replayed.
 #pragma once
 
-#include <corotet/core/types.hpp>
-#include <corotet/rotation/quaternion.hpp>
+#include <corotet/detail/core/types.hpp>
+#include <corotet/detail/rotation/quaternion.hpp>
 #include <random>
 
 namespace corotet::testing {

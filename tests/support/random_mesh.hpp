@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <array>
-#include <corotet/core/types.hpp>
-#include <corotet/mesh/mesh_data.hpp>
-#include <corotet/mesh/raise_order.hpp>
+#include <corotet/detail/core/types.hpp>
+#include <corotet/detail/mesh/mesh_data.hpp>
+#include <corotet/detail/mesh/raise_order.hpp>
 #include <map>
 #include <utility>
 #include <vector>

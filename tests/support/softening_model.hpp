@@ -2,10 +2,10 @@
 #pragma once
 
 #include <concepts>
-#include <corotet/core/lanes.hpp>
-#include <corotet/material/corotated.hpp>
-#include <corotet/material/elastic_model.hpp>
-#include <corotet/rotation/polar.hpp>
+#include <corotet/detail/core/lanes.hpp>
+#include <corotet/detail/material/corotated.hpp>
+#include <corotet/detail/material/elastic_model.hpp>
+#include <corotet/detail/rotation/polar.hpp>
 #include <string_view>
 
 namespace corotet::testing {

@@ -1,7 +1,7 @@
 // Which preconditioner the tests of steps run with.
 #pragma once
 
-#include <corotet/solve/auto_solver.hpp>
+#include <corotet/detail/solve/auto_solver.hpp>
 #include <cstdlib>
 #include <string_view>
 

@@ -1,0 +1,155 @@
+// A value, or the reason why there is none. Takes the place of exceptions, which the library never uses.
+#pragma once
+
+#include <corotet/detail/core/assert.hpp>
+#include <corotet/detail/core/compiler.hpp>
+#include <memory>
+#include <new>
+#include <string>
+#include <utility>
+
+namespace corotet::inline v0_1 {
+
+/// What kind of thing went wrong; the texts of Error say exactly what, where and why.
+enum class ErrorCode {
+  file_not_found,       ///< the file cannot be opened
+  file_unreadable,      ///< the file was opened, but reading or writing failed
+  unknown_format,       ///< no reader recognises the content
+  malformed_file,       ///< the content breaks its own format: truncated, out of range, not a number, ...
+  unsupported,          ///< valid, but not something that corotet handles
+  empty_mesh,           ///< no vertices or no elements
+  index_out_of_range,   ///< an element names a vertex that does not exist
+  duplicate_node,       ///< an element names the same vertex twice
+  unreferenced_vertex,  ///< a vertex belongs to no element, so it would have no mass
+  degenerate_element,   ///< zero, negative or non-finite volume
+  non_finite_value,     ///< NaN or infinity
+  invalid_argument      ///< a parameter outside its stated range
+};
+
+/// What happened, where, and why.
+struct Error {
+  ErrorCode code = ErrorCode::invalid_argument;
+  std::string where;   ///< file with line or byte offset, element, vertex, or parameter: "beam.msh:12", "element 7"
+  std::string reason;  ///< what was found there and what was expected
+
+  [[nodiscard]] std::string message() const { return where.empty() ? reason : where + ": " + reason; }
+};
+
+namespace detail {
+
+/// An error that lies elsewhere, or none: results of calls that went well are tested and passed on for next to nothing.
+class OptionalError {
+ public:
+  OptionalError() = default;
+  explicit OptionalError(Error error) : error_(new Error(std::move(error))) {}
+  OptionalError(const OptionalError& other) : error_(other.error_ == nullptr ? nullptr : copy(*other.error_)) {}
+  OptionalError(OptionalError&& other) noexcept : error_(std::exchange(other.error_, nullptr)) {}
+  OptionalError& operator=(OptionalError other) noexcept {
+    std::swap(error_, other.error_);
+    return *this;
+  }
+  ~OptionalError() {
+    if (error_ != nullptr) destroy(error_);
+  }
+
+  [[nodiscard]] const Error* get() const { return error_; }
+
+ private:
+  COROTET_COLD static Error* copy(const Error& error) { return new Error(error); }
+  COROTET_COLD static void destroy(Error* error) { delete error; }
+
+  Error* error_ = nullptr;
+};
+
+}  // namespace detail
+
+/// A `T`, or the `Error` that prevented it. Test it before use; reading the wrong side is an assertion.
+///
+/// All functions that depend on data (a file, a mesh, a material) return one; nothing throws. Mistakes of the calling
+/// program are assertions instead: see COROTET_ASSERT.
+/// @snippet files.cpp result
+template <class T>
+class [[nodiscard]] Result {
+ public:
+  // Implicit on purpose: `return value;` and `return Error{...};` are the two ways to end a function.
+  Result(T value) : value_(std::move(value)), ok_(true) {}  // NOLINT(google-explicit-constructor)
+  Result(Error error) : error_(std::move(error)) {}         // NOLINT(google-explicit-constructor)
+  Result(const Result& other) : error_(other.error_) {
+    if (other.ok_) hold(other.value_);
+  }
+  Result(Result&& other) noexcept : error_(std::move(other.error_)) {
+    if (other.ok_) hold(std::move(other.value_));
+  }
+  Result& operator=(Result other) noexcept {
+    drop();
+    if (other.ok_) hold(std::move(other.value_));
+    error_ = std::move(other.error_);
+    return *this;
+  }
+  ~Result() { drop(); }
+
+  [[nodiscard]] bool ok() const { return ok_; }
+  explicit operator bool() const { return ok_; }
+
+  [[nodiscard]] T& value() & {
+    COROTET_ASSERT(ok_, "test a Result before taking its value");
+    return value_;
+  }
+  [[nodiscard]] const T& value() const& {
+    COROTET_ASSERT(ok_, "test a Result before taking its value");
+    return value_;
+  }
+  [[nodiscard]] T&& value() && {
+    COROTET_ASSERT(ok_, "test a Result before taking its value");
+    return std::move(value_);
+  }
+
+  [[nodiscard]] T& operator*() & { return value(); }
+  [[nodiscard]] const T& operator*() const& { return value(); }
+  [[nodiscard]] T&& operator*() && { return std::move(*this).value(); }
+  [[nodiscard]] T* operator->() { return &value(); }
+  [[nodiscard]] const T* operator->() const { return &value(); }
+
+  [[nodiscard]] const Error& error() const {
+    COROTET_ASSERT(!ok_, "this Result holds a value, not an error");
+    return *error_.get();
+  }
+
+ private:
+  template <class U>
+  void hold(U&& value) {
+    ::new (static_cast<void*>(std::addressof(value_))) T(std::forward<U>(value));
+    ok_ = true;
+  }
+  void drop() {
+    if (ok_) value_.~T();
+    ok_ = false;
+  }
+
+  detail::OptionalError error_;
+  union {      // by hand: std::optional of each T that is a result costs sixty functions to compile
+    T value_;  // NOLINT(readability-identifier-naming): private
+  };
+  bool ok_ = false;
+};
+
+/// The outcome of something that returns nothing: success, or an `Error`.
+template <>
+class [[nodiscard]] Result<void> {
+ public:
+  Result() = default;
+  Result(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor): as above
+
+  [[nodiscard]] bool ok() const { return error_.get() == nullptr; }
+  explicit operator bool() const { return ok(); }
+
+  [[nodiscard]] const Error& error() const {
+    COROTET_ASSERT(!ok(), "this Result is a success, it has no error");
+    return *error_.get();
+  }
+
+ private:
+  detail::OptionalError error_;
+};
+
+}  // namespace corotet::inline v0_1

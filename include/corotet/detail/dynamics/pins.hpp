@@ -1,0 +1,133 @@
+// Vertices whose motion is prescribed: held in place, or led along a path.
+#pragma once
+
+#include <algorithm>
+#include <corotet/detail/core/assert.hpp>
+#include <corotet/detail/core/compiler.hpp>
+#include <corotet/detail/core/memory_use.hpp>
+#include <corotet/detail/core/revision.hpp>
+#include <corotet/detail/core/state_archive.hpp>
+#include <corotet/detail/core/types.hpp>
+#include <vector>
+
+namespace corotet::inline v0_1 {
+
+/// The components of a vertex's position that a pin prescribes.
+struct PinnedAxes {
+  bool x = true, y = true, z = true;
+
+  [[nodiscard]] bool operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
+  [[nodiscard]] bool all() const { return x && y && z; }
+  friend bool operator==(const PinnedAxes&, const PinnedAxes&) = default;
+
+  void visit_state(detail::StateArchive& archive) {
+    archive(x);
+    archive(y);
+    archive(z);
+  }
+};
+
+/// A set of pinned vertices, each with the displacement (m, from rest) that it must have after the next step: in all
+/// components, or in some alone (a roller, a sliding edge).
+template <std::floating_point Scalar>
+class Pins {
+ public:
+  explicit Pins(Index vertices) : slot_(at(vertices), none) {}
+
+  /// Holds `vertex` at a displacement, whose other components than `axes` do not matter; moves it there if it is pinned
+  /// already. The first pin of a vertex may allocate. Without any axis it is released.
+  COROTET_COLD void pin(Index vertex, const Vec3<Scalar>& displacement, PinnedAxes axes = {}) {
+    COROTET_ASSERT(vertex >= 0 && vertex < size_of(slot_), "no such vertex");
+    if (vertex < 0 || vertex >= size_of(slot_)) return;
+    if (!axes.x && !axes.y && !axes.z) return release(vertex);
+    if (slot_[at(vertex)] == none) {
+      slot_[at(vertex)] = size_of(vertices_);
+      vertices_.push_back(vertex);
+      targets_.push_back(displacement);
+      axes_.push_back(axes);
+      revision_ = new_revision();
+    }
+    const std::size_t slot = at(slot_[at(vertex)]);
+    if (!(axes_[slot] == axes)) revision_ = new_revision();
+    axes_[slot] = axes;
+    targets_[slot] = displacement;
+  }
+
+  /// A new target for a pinned vertex: it is there after the next step, and on the way during it.
+  void move(Index vertex, const Vec3<Scalar>& displacement) {
+    COROTET_ASSERT(is_pinned(vertex), "pin the vertex before moving it");
+    if (is_pinned(vertex)) targets_[at(slot_[at(vertex)])] = displacement;
+  }
+
+  /// Lets go of a vertex, which keeps its velocity. Nothing happens if it is free.
+  void release(Index vertex) {
+    if (!is_pinned(vertex)) return;
+    const Index slot = slot_[at(vertex)];
+    slot_[at(vertices_.back())] = slot;
+    vertices_[at(slot)] = vertices_.back();
+    targets_[at(slot)] = targets_.back();
+    axes_[at(slot)] = axes_.back();
+    slot_[at(vertex)] = none;
+    vertices_.pop_back();
+    targets_.pop_back();
+    axes_.pop_back();
+    revision_ = new_revision();
+  }
+
+  /// Adds `shift` to all targets: for a body whose origin moves.
+  void translate(const Vec3<Scalar>& shift) {
+    for (Vec3<Scalar>& target : targets_) target += shift;
+  }
+
+  [[nodiscard]] bool is_pinned(Index vertex) const {
+    return vertex >= 0 && vertex < size_of(slot_) && slot_[at(vertex)] != none;
+  }
+
+  /// Pinned vertices in no particular order, and the displacement and the axes of each.
+  [[nodiscard]] const std::vector<Index>& vertices() const { return vertices_; }
+  [[nodiscard]] const Field<Scalar>& targets() const { return targets_; }
+  [[nodiscard]] const std::vector<PinnedAxes>& axes() const { return axes_; }
+
+  /// The axes of a vertex that are pinned: none of one that is free.
+  [[nodiscard]] PinnedAxes axes_of(Index vertex) const {
+    return is_pinned(vertex) ? axes_[at(slot_[at(vertex)])] : PinnedAxes{false, false, false};
+  }
+
+  /// Calls visit(slot, vertex, i) for each component i of each pinned vertex that is pinned.
+  template <class Visit>
+  void for_each_component(const Visit& visit) const {
+    for (std::size_t slot = 0; slot < vertices_.size(); ++slot)
+      for (int i = 0; i < 3; ++i)
+        if (axes_[slot][i]) visit(slot, vertices_[slot], i);
+  }
+
+  /// Another number whenever the set of pinned components is another; targets do not matter.
+  [[nodiscard]] Revision revision() const { return revision_; }
+
+  [[nodiscard]] std::size_t bytes() const {
+    return bytes_of(slot_) + bytes_of(vertices_) + bytes_of(targets_) + bytes_of(axes_);
+  }
+
+  /// For snapshots.
+  void visit_state(detail::StateArchive& archive) {
+    archive.list(vertices_);
+    archive.list(targets_);
+    archive.list(axes_);
+    if (!archive.reads()) return;
+    for (Index& slot : slot_) slot = none;
+    for (std::size_t slot = 0; slot < vertices_.size(); ++slot)
+      if (vertices_[slot] >= 0 && vertices_[slot] < size_of(slot_))
+        slot_[at(vertices_[slot])] = static_cast<Index>(slot);
+    revision_ = new_revision();
+  }
+
+ private:
+  static constexpr Index none = -1;
+  std::vector<Index> slot_;  // one a vertex
+  std::vector<Index> vertices_;
+  Field<Scalar> targets_;
+  std::vector<PinnedAxes> axes_;
+  Revision revision_ = new_revision();
+};
+
+}  // namespace corotet::inline v0_1

@@ -1,0 +1,302 @@
+// Sparse Cholesky factorisation by small blocks: for direct solutions of small bodies, and inside preconditioners.
+#pragma once
+
+#include <array>
+#include <corotet/detail/assembly/block_matrix.hpp>
+#include <corotet/detail/core/buffer.hpp>
+#include <corotet/detail/core/compiler.hpp>
+#include <corotet/detail/core/memory_use.hpp>
+#include <corotet/detail/core/register.hpp>
+#include <corotet/detail/core/shared.hpp>
+#include <corotet/detail/core/state_archive.hpp>
+#include <corotet/detail/core/types.hpp>
+#include <corotet/detail/solve/small_cholesky.hpp>
+#include <corotet/detail/solve/symbolic_factor.hpp>
+#include <cstddef>
+#include <cstring>
+#include <type_traits>
+#include <utility>
+
+namespace corotet::inline v0_1 {
+
+/// A = P^T L L^T P with a fill-reducing permutation of the vertices (MinimumDegree). L is made in double and kept in
+/// Scalar: the factor of a stiff body needs double, and one that was rounded afterwards is still symmetric and positive
+/// definite, with half the memory to read. It is rounded in place: the numbers of L are the only memory of any size
+/// that a copy owns; its pattern is shared. Nothing allocates but `analyze`. Left-looking by columns, after Davis 2006,
+/// "Direct Methods for Sparse Linear Systems", section 4.8.
+///
+/// `begin`, the values of A by `entry`, `factorize`, then any number of `solve`.
+template <std::floating_point Scalar, int B = 3>
+class BlockCholesky {
+ public:
+  using Block = Matrix<double, B, B>;
+
+  BlockCholesky() = default;
+  BlockCholesky(const BlockCholesky& other)
+      : symbolic_(other.symbolic_),
+        value_(other.copy_of_values()),
+        segment_(other.segment_),
+        index_(other.index_),
+        has_factor_(other.has_factor_) {}
+  BlockCholesky(BlockCholesky&&) noexcept = default;
+  BlockCholesky& operator=(const BlockCholesky& other) {
+    if (this != &other) *this = BlockCholesky(other);
+    return *this;
+  }
+  BlockCholesky& operator=(BlockCholesky&&) noexcept = default;
+  ~BlockCholesky() = default;
+
+  /// Ordering, pattern of L, and memory for L, if it fits.
+  COROTET_COLD void analyze(const BlockPattern& pattern) { analyze(detail::Shared<SymbolicFactor>::make(pattern)); }
+  COROTET_COLD void analyze(detail::Shared<SymbolicFactor> symbolic) {
+    *this = {};
+    symbolic_ = std::move(symbolic);
+    if (!symbolic_->fits()) return;
+    value_ = detail::Buffer<double>(block_size * symbolic_->blocks + padding);
+    segment_ = detail::Scratch<Scalar>(at(rows()) * width);
+    index_ = detail::Scratch<Index>(std::size_t{4} * at(rows()));
+  }
+
+  /// False before `analyze`, and for a factor that cannot be indexed: then nothing below may be called.
+  [[nodiscard]] bool is_ready() const { return !value_.empty(); }
+
+  [[nodiscard]] Index rows() const { return symbolic_->rows(); }
+  [[nodiscard]] const SymbolicFactor& symbolic() const { return *symbolic_; }
+
+  /// Multiplications and additions of one factorisation: c^2/2 block products of 2 B^3 operations a column of c.
+  [[nodiscard]] double factor_flops() const { return 1.0 * B * B * B * symbolic_->squares; }
+
+  /// Sets A to zero, and forgets the factor.
+  void begin() {
+    has_factor_ = false;
+    std::memset(value_.data(), 0, value_.size() * sizeof(double));
+  }
+
+  /// Whether A takes the block in this slot of its pattern: the others follow by symmetry.
+  [[nodiscard]] bool takes(Index slot) const { return symbolic_->position[at(slot)] >= 0; }
+
+  /// That block. Between `begin` and `factorize`; different slots by different threads at the same time, if need be.
+  [[nodiscard]] MatrixView<double, B, B> entry(Index slot) { return block(symbolic_->position[at(slot)]); }
+
+  /// False if a pivot is not positive definite to rounding: then there is no factor.
+  bool factorize() {
+    const Index n = rows();
+    Index *const first = index_.data(), *const next = first + n, *const done = next + n, *const place = done + n;
+    for (Index k = 0; k < n; ++k) first[k] = -1;
+    for (Index k = 0; k < n; ++k) {
+      const Index begin = start(k), end = start(k + 1);
+      for (Index p = begin; p < end; ++p) place[symbolic_->row[at(p)]] = p;
+      // Columns whose next block is in row k: they have done their part in all columns before.
+      for (Index j = first[k]; j >= 0;) {
+        const Index from = done[j], left = start(j + 1) - from, other = next[j];
+        Index following = other, other_from = -1;
+        if (B == 3 && other >= 0 && are_alike(j, other, left, start(other + 1) - done[other])) {
+          other_from = done[other];
+          following = next[other];
+          wait(other, other_from + 1, first, next, done);
+        }
+        subtract_columns(from, other_from, left, place);
+        wait(j, from + 1, first, next, done);
+        j = following;
+      }
+      Block inverse;
+      if (!inverse_cholesky(block(begin).value(), inverse)) return false;
+      block(begin) = inverse;
+      for (Index p = begin + 1; p < end; ++p) block(p) = block(p).value() * inverse.transpose();
+      wait(k, begin + 1, first, next, done);
+    }
+    round_in_place();
+    has_factor_ = true;
+    return true;
+  }
+
+  /// The factor of a matrix on the pattern that was analysed.
+  template <std::floating_point Other>
+  bool factorize(const BlockMatrix<Other, B>& matrix) {
+    begin();
+    for (Index k = 0; k < matrix.pattern().blocks(); ++k)
+      if (takes(k)) entry(k) = matrix.block(k).template cast<double>();
+    return factorize();
+  }
+
+  [[nodiscard]] bool has_factor() const { return has_factor_; }
+
+  /// x = A^-1 b; both are rows() times B numbers, and may be the same. There must be a factor, here and below.
+  void solve(const Scalar* b, Scalar* x) {
+    const Index n = rows();
+    for (Index k = 0; k < n; ++k)
+      for (std::size_t c = 0; c < width; ++c)
+        segment(k)[c] = c < std::size_t{B} ? b[at(symbolic_->order[at(k)]) * B + c] : Scalar(0);
+    solve_segments();
+    for (Index k = 0; k < n; ++k)
+      for (std::size_t c = 0; c < std::size_t{B}; ++c) x[at(symbolic_->order[at(k)]) * B + c] = segment(k)[c];
+  }
+  void solve(const Field<Scalar>& b, Field<Scalar>& x)
+    requires(B == 3)
+  {
+    solve(b.front().data(), x.front().data());
+  }
+
+  /// The B numbers of row symbolic().order[k] with zeros behind them: the right side before `solve_segments`. After it
+  /// the solution, with any numbers behind it.
+  [[nodiscard]] Scalar* segment(Index k) { return segment_.data() + at(k) * width; }
+  void solve_segments() {
+    const Index n = rows();
+    for (Index j = 0; j < n; ++j) eliminate(j);
+    for (Index j = n - 1; j >= 0; --j) substitute(j);
+  }
+
+  static constexpr std::size_t width = B <= 4 ? 4 : 8;  ///< of a segment
+
+  /// The factor, if there is one.
+  COROTET_COLD void visit_state(detail::StateArchive& archive) {
+    const std::size_t count = archive.some(reinterpret_cast<Scalar*>(value_.data()), has_factor_ ? value_.size() : 0);
+    if (archive.reads()) has_factor_ = count > 0;
+  }
+
+  [[nodiscard]] MemoryUse memory() const {
+    return {bytes_of(value_) + bytes_of(segment_) + bytes_of(index_), symbolic_ ? symbolic_->bytes() : 0};
+  }
+
+ private:
+  static constexpr std::size_t block_size = std::size_t{B} * B;
+  static constexpr std::size_t padding = width;  // numbers that are read behind the last block
+  using Segment = SimdVec<Scalar, int{width}>;
+
+  [[nodiscard]] detail::Buffer<double> copy_of_values() const {
+    detail::Buffer<double> copy = value_.without_values();
+    if (has_factor_) std::memcpy(copy.data(), value_.data(), value_.size() * sizeof(Scalar));
+    return copy;
+  }
+
+  [[nodiscard]] Index start(Index column) const { return symbolic_->column_start[at(column)]; }
+
+  // Of L, while it is made, and of A before. On the diagonal: at the end, the inverse of L_jj.
+  [[nodiscard]] MatrixView<double, B, B> block(Index p) {
+    return MatrixView<double, B, B>(value_.data() + block_size * at(p));
+  }
+
+  /// Column j waits for the column in whose row its block p is.
+  void wait(Index j, Index p, Index* first, Index* next, Index* done) const {
+    if (p == start(j + 1)) return;
+    const Index row = symbolic_->row[at(p)];
+    done[j] = p;
+    next[j] = first[row];
+    first[row] = j;
+  }
+
+  /// Whether two columns of which so many blocks are left have them in the same rows: one is the parent of the other,
+  /// whose rows it has all.
+  [[nodiscard]] bool are_alike(Index i, Index j, Index left_of_i, Index left_of_j) const {
+    if (left_of_i != left_of_j || (i - j != 1 && j - i != 1)) return false;
+    const Index child = i < j ? i : j;
+    return symbolic_->row[at(start(child)) + 1] == child + 1;
+  }
+
+  /// L_ik -= L_ij L_kj^T for the `count` blocks of a column j from `from` on, the first of which is L_kj; and the same
+  /// for a second column with blocks in the same rows, from `second` on if that is not -1, for B = 3. `place`: of row i
+  /// in column k.
+  void subtract_columns(Index from, Index second, Index count, const Index* place) {
+    const Index* const row = symbolic_->row.data() + from;
+    const Block factor = block(from).transpose();
+    if constexpr (B == 3) {
+      const bool two = second >= 0;
+      const Block second_factor = two ? block(second).transpose() : Block::Zero();
+      for (Index p = 0; p < count; ++p) {
+        double* const target = value_.data() + block_size * at(place[row[p]]);
+        std::array<Column, 3> sum{Column::load(target), Column::load(target + 3), Column::load(target + 6)};
+        subtract_product(from + p, factor, sum);
+        if (two) subtract_product(second + p, second_factor, sum);
+        sum[0].store(target);  // and one number more, which the next store corrects
+        sum[1].store(target + 3);
+        sum[2].template store_part<3>(target + 6);
+      }
+    } else {
+      for (Index p = 0; p < count; ++p) block(place[row[p]]) -= block(from + p).value() * factor;
+    }
+  }
+
+  using Column = SimdVec<double, 4>;  // of a 3x3 block, and one number more
+  COROTET_ALWAYS_INLINE void subtract_product(Index p, const Block& factor, std::array<Column, 3>& sum) const {
+    const double* const source = value_.data() + block_size * at(p);
+    COROTET_UNROLL
+    for (int r = 0; r < 3; ++r) {
+      const Column column = Column::load(source + 3 * r);
+      COROTET_UNROLL
+      for (int c = 0; c < 3; ++c) sum[at(c)] -= column * Column(factor(r, c));
+    }
+  }
+
+  /// The numbers of L in Scalar, in the memory that they have in double.
+  void round_in_place() {
+    if constexpr (!std::is_same_v<Scalar, double>) {
+      auto* const bytes = reinterpret_cast<unsigned char*>(value_.data());
+      for (std::size_t i = 0; i < value_.size(); ++i) {
+        const auto rounded = static_cast<Scalar>(value_[i]);
+        std::memcpy(bytes + i * sizeof(Scalar), &rounded, sizeof(Scalar));  // before the doubles that are still there
+      }
+    }
+  }
+  [[nodiscard]] const Scalar* values(Index p) const {
+    return reinterpret_cast<const Scalar*>(value_.data()) + block_size * at(p);
+  }
+
+  /// The block at `a` times y.
+  [[nodiscard]] COROTET_ALWAYS_INLINE static Segment product(const Scalar* a, const std::array<Scalar, width>& y) {
+    Segment even(Scalar(0)), odd(Scalar(0));
+    COROTET_UNROLL
+    for (std::size_t c = 0; c < std::size_t{B}; ++c)
+      (c % 2 == 0 ? even : odd) += Segment::load(a + B * c) * Segment(y[c]);
+    return even + odd;
+  }
+
+  /// Forward: y_j = L_jj^-1 y_j, then y_i -= L_ij y_j below.
+  void eliminate(Index j) {
+    std::array<Scalar, width> y;
+    Segment::load(segment(j)).store(y.data());
+    const Segment done = product(values(start(j)), y);
+    done.store(y.data());
+    done.store(segment(j));
+    for (Index p = start(j) + 1; p < start(j + 1); ++p) {
+      Scalar* target = segment(symbolic_->row[at(p)]);
+      (Segment::load(target) - product(values(p), y)).store(target);
+    }
+  }
+
+  /// Backward: y_j = L_jj^-T (y_j - sum over i of L_ij^T y_i).
+  void substitute(Index j) {
+    std::array<Segment, std::size_t{B}> sum;
+    sum.fill(Segment(Scalar(0)));
+    for (Index p = start(j) + 1; p < start(j + 1); ++p) add_transposed(p, symbolic_->row[at(p)], sum);
+    Scalar* y = segment(j);
+    COROTET_UNROLL
+    for (std::size_t c = 0; c < std::size_t{B}; ++c) y[c] -= total(sum[c]);
+    sum.fill(Segment(Scalar(0)));
+    add_transposed(start(j), j, sum);
+    COROTET_UNROLL
+    for (std::size_t c = 0; c < std::size_t{B}; ++c) y[c] = total(sum[c]);
+  }
+
+  /// sum_c += column c of block p, times y_i, number by number.
+  COROTET_ALWAYS_INLINE void add_transposed(Index p, Index i, std::array<Segment, std::size_t{B}>& sum) {
+    const Scalar* a = values(p);
+    const Segment y = Segment::load(segment(i));
+    COROTET_UNROLL
+    for (std::size_t c = 0; c < std::size_t{B}; ++c) sum[c] += Segment::load(a + B * c) * y;
+  }
+  [[nodiscard]] COROTET_ALWAYS_INLINE static Scalar total(const Segment& s) {
+    std::array<Scalar, width> part;
+    s.store(part.data());
+    Scalar sum = part[0];
+    for (std::size_t r = 1; r < std::size_t{B}; ++r) sum += part[r];
+    return sum;
+  }
+
+  detail::Shared<SymbolicFactor> symbolic_;
+  detail::Buffer<double> value_;
+  detail::Scratch<Scalar> segment_;
+  detail::Scratch<Index> index_;  // see factorize
+  bool has_factor_ = false;
+};
+
+}  // namespace corotet::inline v0_1

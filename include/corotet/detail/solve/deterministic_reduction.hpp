@@ -1,0 +1,114 @@
+// Sums over a field that give the same bits on any number of threads.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <concepts>
+#include <corotet/detail/core/buffer.hpp>
+#include <corotet/detail/core/executor.hpp>
+#include <corotet/detail/core/memory_use.hpp>
+#include <corotet/detail/core/register.hpp>
+#include <corotet/detail/core/types.hpp>
+#include <cstddef>
+#include <span>
+#include <type_traits>
+
+namespace corotet::inline v0_1 {
+
+/// The numbers of a field's entries [begin, end), vertex-major; those of padded fields with their zeros.
+template <class FieldType>
+[[nodiscard]] auto range_of(FieldType& field, Index begin, Index end) {
+  using Number = std::remove_reference_t<decltype(field.front()[0])>;  // const if the field is
+  constexpr std::size_t each = sizeof(field.front()) / sizeof(Number);
+  return std::span<Number>(field.empty() ? nullptr : field.front().data() + each * at(begin), each * at(end - begin));
+}
+
+/// out = f(in...) number by number over the entries [begin, end). `f` is called with registers and with numbers; `out`
+/// may be one of `in`.
+template <class Out, class F, class... In>
+COROTET_ALWAYS_INLINE void map_range(Index begin, Index end, Out& out, F&& f, const In&... in) {
+  using Scalar = std::remove_reference_t<decltype(out.front()[0])>;
+  using Several = SimdVec<Scalar, 32 / sizeof(Scalar)>;
+  constexpr std::size_t width = 32 / sizeof(Scalar);
+  const std::span<Scalar> to = range_of(out, begin, end);
+  const auto run = [&](const auto*... from) {
+    std::size_t i = 0;
+    for (; i + width <= to.size(); i += width) Several(f(Several::load(from + i)...)).store(to.data() + i);
+    for (; i < to.size(); ++i) to[i] = f(from[i]...);
+  };
+  run(range_of(in, begin, end).data()...);
+}
+
+/// a . b over the entries [begin, end). The order of the sum is the same with every instruction set.
+template <class A, class B>
+[[nodiscard]] double range_dot(const A& a, const B& b, Index begin, Index end) {
+  using Scalar = std::remove_cvref_t<decltype(a.front()[0])>;
+  constexpr std::size_t width = 64 / sizeof(Scalar);
+  using Several = SimdVec<Scalar, int{width}>;
+  const auto x = range_of(a, begin, end), y = range_of(b, begin, end);
+  Several sums(Scalar(0));
+  std::size_t i = 0;
+  for (; i + width <= x.size(); i += width) sums += Several::load(x.data() + i) * Several::load(y.data() + i);
+  std::array<Scalar, width> part;
+  sums.store(part.data());
+  for (std::size_t half = width / 2; half > 0; half /= 2)
+    for (std::size_t k = 0; k < half; ++k) part[k] += part[k + half];
+  Scalar total = part[0];
+  for (; i < x.size(); ++i) total += x[i] * y[i];
+  return static_cast<double>(total);
+}
+
+/// K sums at once: over ranges of fixed length, each by one task, then over the ranges in order and in double.
+template <std::size_t K>
+class DeterministicReduction {
+ public:
+  using Sums = std::array<double, K>;
+
+  DeterministicReduction() = default;
+  explicit DeterministicReduction(Index count) : count_(count), partial_(at((count + grain - 1) / grain) * K) {}
+
+  /// The sums of `part(begin, end)`, which returns Sums, over all ranges.
+  template <std::invocable<Index, Index> Part>
+  [[nodiscard]] Sums operator()(ExecutorRef executor, Part&& part) {
+    for_ranges(executor, count_, grain, [&](Index begin, Index end) {
+      const Sums sums = part(begin, end);
+      std::copy(sums.begin(), sums.end(), partial_.data() + at(begin / grain) * K);
+    });
+    Sums sums{};
+    for (std::size_t p = 0; p < partial_.size(); p += K)
+      for (std::size_t k = 0; k < K; ++k) sums[k] += partial_[p + k];
+    return sums;
+  }
+
+  [[nodiscard]] MemoryUse memory() const { return {bytes_of(partial_), 0}; }
+
+  /// Entries a task.
+  static constexpr Index grain = 256;
+
+ private:
+  Index count_ = 0;
+  detail::Scratch<double> partial_;  // K a range
+};
+
+/// One sum.
+class DeterministicSum {
+ public:
+  DeterministicSum() = default;
+  explicit DeterministicSum(Index count) : sums_(count) {}
+
+  /// The sum of `part(begin, end)`, which returns a double, over all ranges.
+  template <std::invocable<Index, Index> Part>
+  [[nodiscard]] double operator()(ExecutorRef executor, Part&& part) {
+    return sums_(executor,
+                 [&](Index begin, Index end) { return DeterministicReduction<1>::Sums{part(begin, end)}; })[0];
+  }
+
+  [[nodiscard]] MemoryUse memory() const { return sums_.memory(); }
+
+  static constexpr Index grain = DeterministicReduction<1>::grain;
+
+ private:
+  DeterministicReduction<1> sums_;
+};
+
+}  // namespace corotet::inline v0_1

@@ -1,0 +1,27 @@
+// The linear system of a step, with what a solver may make use of besides its matrix.
+#pragma once
+
+#include <concepts>
+#include <corotet/detail/assembly/block_matrix.hpp>
+#include <corotet/detail/core/types.hpp>
+#include <cstdint>
+#include <span>
+
+namespace corotet::inline v0_1 {
+
+/// matrix * x = right_side.
+template <std::floating_point Scalar>
+struct StepSystem {
+  const BlockMatrix<Scalar>& matrix;
+  const Field<Scalar>& right_side;
+  /// Of the state in which the matrix was assembled, m: with the rest positions given to `analyze`, how far each part
+  /// of the body has turned.
+  const Field<Scalar>& displacement;
+  /// Vertices whose equations stand alone, with zero on the right side.
+  std::span<const Index> pinned;
+  /// > 0. Another number means that the matrix changed for other reasons than the displacement: a far longer or shorter
+  /// step, other damping, other materials, other pins. See LagKey.
+  std::uint64_t lag_key = 0;
+};
+
+}  // namespace corotet::inline v0_1
