@@ -21,7 +21,7 @@ import sys
 from pathlib import Path
 
 # Lowest first. Element comes before mesh because a mesh is a template over its element.
-LAYERS = ["core", "element", "mesh", "rotation", "material", "assembly", "solve", "terms", "dynamics", "embed", "scene"]
+LAYERS = ["core", "element", "mesh", "rotation", "material", "assembly", "solve", "terms", "dynamics", "embed", "contact", "scene"]
 
 # The one face header that includes headers of a folder.
 ALONE = {"corotet/detail/mesh/io/": "corotet/io.hpp", "corotet/detail/mesh/stuffing/": "corotet/meshing.hpp"}

@@ -36,7 +36,9 @@ class PieceIntegrator {
   StepReport step(Body& body, Scalar h, const StepContext<Scalar>& context) {
     StepReport report = solver_.validate(body, h);
     if (!report.accepted()) return report;
-    report = solver_.advance(body, scheme_.discretize(body, h, context.executor), context);
+    const bool first_order = solver_.begin(body, h, context);
+    report = solver_.advance(
+        body, first_order ? backward_euler(body, h) : scheme_.discretize(body, h, context.executor), context);
     if (report.accepted())
       scheme_.accept(body, h, report, solver_.previous_displacement(), solver_.previous_velocity());
     return report;

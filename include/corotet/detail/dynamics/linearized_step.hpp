@@ -48,6 +48,9 @@ class LinearizedStep {
 
   [[nodiscard]] const BlockMatrix<Scalar>& matrix() const { return matrix_; }
   [[nodiscard]] const Field<Scalar>& right_side() const { return right_side_; }
+  /// For terms that change the system between solves.
+  [[nodiscard]] BlockMatrix<Scalar>& matrix_of_terms() { return matrix_; }
+  [[nodiscard]] Field<Scalar>& right_side_of_terms() { return right_side_; }
   [[nodiscard]] std::uint64_t lag_key() const { return lag_key_number_; }
   [[nodiscard]] DeformationExtremes summary() const { return evaluation_.summary(); }
   [[nodiscard]] TermSum<Scalar>& terms() { return terms_; }

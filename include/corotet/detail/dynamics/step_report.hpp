@@ -70,7 +70,9 @@ struct StepReport {
       case StepError::pin_target:
         return "the target position of the named pin must be finite";
       case StepError::solver_options:
-        return "the solver's tolerance must be between 0 and 1, and max_iterations not negative";
+        return "the solver's tolerance must be between 0 and 1, max_iterations not negative; direct solvers cannot "
+               "move "
+               "free obstacles";
       case StepError::newton_options:
         return "Newton's tolerance must be between 0 and 1, and its iterations at least 1";
       case StepError::solver_breakdown:

@@ -61,10 +61,14 @@ class StepSolver {
     return check_step(body, h, options_);
   }
 
+  /// Before a step of h seconds. Returns whether it must be of backward Euler.
+  [[nodiscard]] bool begin(Body& body, Scalar h, const StepContext<Scalar>& context) {
+    equation_.terms().begin(body.terms(), context.terms, context.piece);
+    return !context.terms.empty() && begin_terms(body, h, context);
+  }
+
   /// Moves the body as `step` says; a refused step leaves it untouched. The step's fields may be the body's.
   StepReport advance(Body& body, const TimeStep<Scalar>& step, const StepContext<Scalar>& context) {
-    equation_.terms().begin(body.terms(), context.terms, context.piece);
-    if (!context.terms.empty()) begin_terms(body, step, context);
     const StepReport report = advance_bounded(body, step, context);
     if (report.accepted()) equation_.commit(body);
     if (!context.terms.empty() && report.accepted()) end_terms(body, step, context);
@@ -108,10 +112,11 @@ class StepSolver {
   COROTET_COLD void reset(const Body& body) { *this = StepSolver(body, solver_, options_); }
 
  private:
-  COROTET_COLD void begin_terms(const Body& body, const TimeStep<Scalar>& step, const StepContext<Scalar>& context) {
+  [[nodiscard]] COROTET_COLD bool begin_terms(const Body& body, Scalar h, const StepContext<Scalar>& context) {
     equation_.terms().set_frame({});
     equation_.terms().begin_step(
-        equation_.state(body, step, body.displacements(), body.velocities(), context.executor));
+        equation_.state(body, backward_euler(body, h), body.displacements(), body.velocities(), context.executor));
+    return equation_.terms().needs_first_order();
   }
   COROTET_COLD void end_terms(const Body& body, const TimeStep<Scalar>& step, const StepContext<Scalar>& context) {
     equation_.terms().set_frame({});
@@ -197,7 +202,7 @@ class StepSolver {
     };
     if (step.is_first_order()) weigh(step.v_history);  // in the frame in which it was solved
     if (free && !(step.order > 1 && equation_.terms().is_implicit()) &&
-        !frame_.leave(body, step.gamma, equation_.terms(), displacement_, velocity_, executor))
+        !frame_.leave(body, step.gamma, equation_.terms(), problem.state(), displacement_, velocity_, executor))
       return refused(report, StepError::overflow);
     if (!step.is_first_order()) limit_pin_velocities(body, step);
     if (!step.is_first_order()) weigh(body.velocities());  // with what the projection of momenta gives
@@ -259,9 +264,9 @@ class StepSolver {
 
     [[nodiscard]] SolveStatus solve() {
       context.observer(StepPhase::solve);
-      const StepSystem<Scalar> system{s.equation_.matrix(), s.equation_.right_side(), body.displacements(),
-                                      body.pins().vertices(), s.equation_.lag_key()};
-      const SolveReport solved = s.solver_.solve(system, s.change_, context.executor);
+      const SolveReport solved = s.equation_.terms().has_piecewise()
+                                     ? solve_in_passes()
+                                     : s.solver_.solve(system(1, nullptr), s.change_, context.executor);
       find_impulses();
       if (body.pins().vertices().empty())
         s.equation_.project_linear_momentum(body, step, s.velocity_, s.change_, context.executor);
@@ -327,7 +332,44 @@ class StepSolver {
       return s.equation_.terms().has_given() ? energy_of_given(displacement) : 0;
     }
 
+    /// Where forces are linearised now.
+    [[nodiscard]] TermState<Scalar> state() const {
+      return s.equation_.state(body, step, at_rest ? body.displacements() : s.displacement_, s.velocity_,
+                               context.executor);
+    }
+
    private:
+    /// The system of this linearisation, as terms change it between solves.
+    struct Passes final : PassSystem<Scalar> {
+      Problem& p;
+
+      Passes(Problem& problem, const TermState<Scalar>& here)
+          : PassSystem<Scalar>(here, problem.s.equation_.matrix_of_terms(), problem.s.equation_.right_side_of_terms(),
+                               problem.s.change_, problem.at_rest ? &problem.s.velocity_ : nullptr,
+                               problem.s.equation_.terms().scratch(), problem.s.equation_.terms().product()),
+            p(problem) {}
+      [[nodiscard]] SolveReport solve(double looseness, const MatrixFreeTerm<Scalar>* coupling) override {
+        return p.s.solver_.solve(p.system(looseness, coupling), this->change, p.context.executor);
+      }
+      void eliminate_pinned_rows() override { p.s.equation_.eliminate_pinned_rows(p.body); }
+    };
+
+    [[nodiscard]] StepSystem<Scalar> system(double looseness, const MatrixFreeTerm<Scalar>* coupling) const {
+      return {s.equation_.matrix(),
+              s.equation_.right_side(),
+              body.displacements(),
+              body.pins().vertices(),
+              s.equation_.lag_key(),
+              coupling,
+              looseness};
+    }
+
+    [[nodiscard]] COROTET_COLD SolveReport solve_in_passes() {
+      const TermState<Scalar> here = s.equation_.terms().seen_by_given(state());
+      Passes passes(*this, here);
+      return s.equation_.terms().solve_in_passes(passes);
+    }
+
     [[nodiscard]] COROTET_COLD double energy_of_given(const Field<Scalar>& displacement) {
       return s.equation_.terms().energy(s.equation_.state(body, step, displacement, s.velocity_, context.executor));
     }
@@ -335,12 +377,6 @@ class StepSolver {
     void find_impulses() {
       if (!s.equation_.terms().has_given()) return;
       s.equation_.terms().find_impulses(state(), s.change_, at_rest ? &s.velocity_ : nullptr);
-    }
-
-    /// Where forces are linearised now.
-    [[nodiscard]] TermState<Scalar> state() const {
-      return s.equation_.state(body, step, at_rest ? body.displacements() : s.displacement_, s.velocity_,
-                               context.executor);
     }
 
     /// Puts the pins' velocities into velocity_, if they are not there. A pin that jumps so pulls at the body as in

@@ -10,6 +10,7 @@
 #include <corotet/detail/core/memory_use.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/solve/deterministic_reduction.hpp>
+#include <corotet/detail/terms/piecewise_term.hpp>
 #include <corotet/detail/terms/step_term.hpp>
 
 namespace corotet::inline v0_1 {
@@ -28,13 +29,14 @@ class TermSum {
     given_ = given;
     piece_ = piece;
     implicit_ = false;
+    piecewise_ = nullptr;
     damping_ = {};
     for_each([&](StepTerm<Scalar>& term, bool) {
       const RayleighDamping more = term.proportional_damping();
       damping_.mass += more.mass;
       damping_.stiffness += more.stiffness;
     });
-    if (!given_.empty() && conservative_.force.empty()) allocate();
+    if (!given_.empty()) begin_given();
   }
 
   /// To which all calls of `state` in this step refer: the frame is at rest until it is set.
@@ -46,6 +48,25 @@ class TermSum {
   }
   COROTET_COLD void end_step(const TermState<Scalar>& end) {
     for (std::size_t t = 0; t < given_.size(); ++t) given_[t].end_step(seen(end, true));
+  }
+
+  /// Whether a term wants the step that has begun to be of backward Euler.
+  [[nodiscard]] COROTET_COLD bool needs_first_order() const {
+    for (std::size_t t = 0; t < given_.size(); ++t)
+      if (given_[t].needs_first_order()) return true;
+    return false;
+  }
+
+  /// `state` with its frame and piece.
+  [[nodiscard]] TermState<Scalar> seen_by_given(const TermState<Scalar>& state) const { return seen(state, true); }
+
+  /// Whether some terms are solved for in passes.
+  [[nodiscard]] bool has_piecewise() const { return piecewise_ != nullptr; }
+  [[nodiscard]] COROTET_COLD SolveReport solve_in_passes(PassSystem<Scalar>& system) {
+    const SolveReport report = piecewise_->solve_in_passes(system, given_);
+    for (std::size_t t = 0; t < given_.size(); ++t)
+      if (const PiecewiseTerm<Scalar>* term = given_[t].piecewise()) implicit_ = implicit_ || term->acts();
+    return report;
   }
 
   /// Forces of all terms at this state.
@@ -87,7 +108,56 @@ class TermSum {
           TermStiffness<Scalar> out(here, *part, part_of(given_[t], true).impulse);
           given_[t].add_stiffness(here, out);
         }
+      if (PiecewiseTerm<Scalar>* term = given_[t].piecewise()) {
+        term->fix_impulses();
+        term->add_impulses(here, part_of(given_[t], true).impulse);
+      }
     }
+  }
+
+  /// Product of gamma^2 K + gamma D of the caller's terms with a field of velocities, `field(vertex)`, in a scratch: N
+  /// s.
+  template <class FieldValue>
+  [[nodiscard]] COROTET_COLD const Field<Scalar>& stiffness_product(const TermState<Scalar>& state,
+                                                                    const FieldValue& field) {
+    for (std::size_t i = 0; i < scratch_.size(); ++i) {
+      scratch_[i] = field(static_cast<Index>(i));
+      product_[i].setZero();
+    }
+    const TermState<Scalar> here = seen(state, true);
+    for (std::size_t t = 0; t < given_.size(); ++t) {
+      TermStiffness<Scalar> out(here, scratch_, product_);
+      given_[t].add_stiffness(here, out);
+      if (const PiecewiseTerm<Scalar>* term = given_[t].piecewise()) term->subtract_product(here, scratch_, product_);
+    }
+    for (Vec3<Scalar>& p : product_) p = -p;
+    return product_;
+  }
+
+  /// Impulses of piecewise terms alone, N s, in a scratch.
+  [[nodiscard]] COROTET_COLD const Field<Scalar>& piecewise_impulses(const TermState<Scalar>& state) {
+    for (Vec3<Scalar>& p : product_) p.setZero();
+    for (std::size_t t = 0; t < given_.size(); ++t)
+      if (const PiecewiseTerm<Scalar>* term = given_[t].piecewise()) term->add_impulses(seen(state, true), product_);
+    return product_;
+  }
+
+  /// Changes the impulses of the caller's terms by what they are after another change of velocities, which it returns
+  /// in a scratch.
+  template <class FieldValue>
+  COROTET_COLD const Field<Scalar>& move(const TermState<Scalar>& state, const FieldValue& field) {
+    for (std::size_t i = 0; i < scratch_.size(); ++i) scratch_[i] = field(static_cast<Index>(i));
+    const TermState<Scalar> here = seen(state, true);
+    for (std::size_t t = 0; t < given_.size(); ++t) {
+      Field<Scalar>& impulse = part_of(given_[t], true).impulse;
+      TermStiffness<Scalar> out(here, scratch_, impulse);
+      given_[t].add_stiffness(here, out);
+      if (PiecewiseTerm<Scalar>* term = given_[t].piecewise()) {
+        term->subtract_product(here, scratch_, impulse);
+        term->move(scratch_);
+      }
+    }
+    return scratch_;
   }
 
   /// Energy of the terms that have one, J.
@@ -111,8 +181,9 @@ class TermSum {
   [[nodiscard]] bool is_implicit() const { return implicit_; }
   [[nodiscard]] bool has_given() const { return !given_.empty(); }
 
-  /// One vector a vertex, for whoever asks; only where has_given().
+  /// One vector a vertex, for whoever asks; only where has_given(), two of them.
   [[nodiscard]] Field<Scalar>& scratch() { return scratch_; }
+  [[nodiscard]] Field<Scalar>& product() { return product_; }
 
   /// All terms' damping together.
   [[nodiscard]] const RayleighDamping& damping() const { return damping_; }
@@ -139,7 +210,7 @@ class TermSum {
 
   [[nodiscard]] MemoryUse memory() const {
     return {bytes_of(working_.force) + bytes_of(working_.impulse) + bytes_of(conservative_.force) +
-                bytes_of(conservative_.impulse) + bytes_of(scratch_) + bytes_of(row_sum_),
+                bytes_of(conservative_.impulse) + bytes_of(scratch_) + bytes_of(product_) + bytes_of(row_sum_),
             0};
   }
 
@@ -149,9 +220,12 @@ class TermSum {
     Field<Scalar> force, impulse;
   };
 
-  COROTET_COLD void allocate() {
-    working_.impulse = conservative_.force = conservative_.impulse = scratch_ = working_.force;
-    row_sum_.assign(working_.force.size(), Mat3<Scalar>::Zero());
+  COROTET_COLD void begin_given() {
+    for (std::size_t t = 0; t < given_.size() && piecewise_ == nullptr; ++t) piecewise_ = given_[t].piecewise();
+    if (conservative_.force.empty()) {
+      working_.impulse = conservative_.force = conservative_.impulse = scratch_ = product_ = working_.force;
+      row_sum_.assign(working_.force.size(), Mat3<Scalar>::Zero());
+    }
   }
 
   [[nodiscard]] Part& part_of(const StepTerm<Scalar>& term, bool is_given) {
@@ -175,8 +249,9 @@ class TermSum {
   PieceVertices piece_;
   TurningPlacement<Scalar> frame_;
   RayleighDamping damping_;
-  Part working_, conservative_;  // without and with an energy
-  Field<Scalar> scratch_;
+  Part working_, conservative_;                 // without and with an energy
+  PiecewiseTerm<Scalar>* piecewise_ = nullptr;  // the first, which drives the passes
+  Field<Scalar> scratch_, product_;
   detail::Buffer<Mat3<Scalar>> row_sum_;
   bool implicit_ = false;
 };

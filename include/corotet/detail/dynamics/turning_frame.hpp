@@ -14,6 +14,7 @@
 #include <corotet/detail/rotation/polar_robust.hpp>
 #include <corotet/detail/rotation/quaternion.hpp>
 #include <corotet/detail/solve/deterministic_reduction.hpp>
+#include <corotet/detail/solve/small_cholesky.hpp>
 #include <corotet/detail/terms/term_state.hpp>
 #include <limits>
 #include <span>
@@ -82,26 +83,25 @@ class TurningFrame {
   }
 
   /// Leaves the frame, if it was entered, and gives the body its angular momentum: turns the solution of a step, with
-  /// x' = x_history + gamma v'. Implicit terms add the moments of their impulses; the body is then where they saw it,
-  /// and its velocities alone are corrected. False if a number is not finite.
-  [[nodiscard]] bool leave(const Body& body, Scalar gamma, const TermSum<Scalar>& terms, Field<Scalar>& displacement,
-                           Field<Scalar>& velocity, ExecutorRef executor) {
+  /// x' = x_history + gamma v'. Implicit terms add the moments of their impulses, and resist the correction; the body
+  /// is then where they saw it, and its velocities alone are corrected. `linearized`: the state of these terms. False
+  /// if a number is not finite.
+  [[nodiscard]] bool leave(const Body& body, Scalar gamma, TermSum<Scalar>& terms, const TermState<Scalar>& linearized,
+                           Field<Scalar>& displacement, Field<Scalar>& velocity, ExecutorRef executor) {
+    const bool implicit = terms.is_implicit();
+    Matrix<double, 3, 8> sums = sums_after(body, gamma, terms, displacement, velocity, executor);
+    if (implicit && share_correction(body, double(gamma), sums, terms, linearized, displacement, velocity)) {
+      sums = sums_after(body, gamma, terms, displacement, velocity, executor);
+      if (terms.has_piecewise()) {
+        const Vec3<double> moved =
+            resultant(placed(body, displacement), motion(body, sums).centre, terms.piecewise_impulses(linearized))
+                .template tail<3>();
+        sums.set_col(7, sums.col(7) + held_moment_ - moved);
+      }
+    }
+    const Departure to = departure(body, gamma, sums, implicit, displacement, velocity);
     const auto x = placed(body, displacement);
     const auto v = relative(velocity);
-    const bool implicit = terms.is_implicit();
-    const auto sums = after_sums_(executor, [&](Index begin, Index end) {
-      auto sum = Matrix<double, 3, 8>::Zero();
-      for (Index i = begin; i < end; ++i) {
-        add_motion(body, i, x, v, sum);
-        if (!implicit) continue;
-        const Vec3<double> impulse = terms.impulse(i, gamma).template cast<double>();
-        add_to_column(sum, 6, impulse);
-        add_to_column(sum, 7, x(i).cross(impulse));
-      }
-      return sums_of<24>(sum);
-    });
-    const Departure to =
-        departure(body, gamma, Matrix<double, 3, 8>::load(sums.data()), implicit, displacement, velocity);
     const double not_finite = finite_(executor, [&](Index begin, Index end) {
       bool finite = true;
       for (Index i = begin; i < end; ++i) {
@@ -118,6 +118,13 @@ class TurningFrame {
   [[nodiscard]] MemoryUse memory() const { return before_sums_.memory() + after_sums_.memory() + finite_.memory(); }
 
  private:
+  /// Of a whole body, relative to its first vertex: sums stay small in flight and far from the origin.
+  struct Motion {
+    Vec3<double> centre, velocity;  ///< of mass, m and m/s
+    Vec3<double> momentum;          ///< angular, about the centre, kg m^2/s
+    Mat3<double> second;            ///< moments of the mass about the centre, kg m^2
+  };
+
   /// How a solution leaves the frame: x' = x + shift + (turn - 1) r, v' = flight + turn (v - velocity) + spin x turn r,
   /// with r = x - centre.
   struct Departure {
@@ -159,12 +166,93 @@ class TurningFrame {
     return {solved.centre, solved.velocity, shift, flight, w, q};
   }
 
-  /// Of a whole body, relative to its first vertex: sums stay small in flight and far from the origin.
-  struct Motion {
-    Vec3<double> centre, velocity;  ///< of mass, m and m/s
-    Vec3<double> momentum;          ///< angular, about the centre, kg m^2/s
-    Mat3<double> second;            ///< moments of the mass about the centre, kg m^2
-  };
+  /// Of a solution: add_motion's, and of implicit terms the impulses and their moments.
+  [[nodiscard]] Matrix<double, 3, 8> sums_after(const Body& body, Scalar gamma, const TermSum<Scalar>& terms,
+                                                const Field<Scalar>& displacement, const Field<Scalar>& velocity,
+                                                ExecutorRef executor) {
+    const auto x = placed(body, displacement);
+    const auto v = relative(velocity);
+    const bool implicit = terms.is_implicit();
+    const auto sums = after_sums_(executor, [&](Index begin, Index end) {
+      auto sum = Matrix<double, 3, 8>::Zero();
+      for (Index i = begin; i < end; ++i) {
+        add_motion(body, i, x, v, sum);
+        if (!implicit) continue;
+        const Vec3<double> impulse = terms.impulse(i, gamma).template cast<double>();
+        add_to_column(sum, 6, impulse);
+        add_to_column(sum, 7, x(i).cross(impulse));
+      }
+      return sums_of<24>(sum);
+    });
+    return Matrix<double, 3, 8>::load(sums.data());
+  }
+
+  /// Moves a solution by the part of the spin that it lacks to which its terms give way: the Galerkin projection onto
+  /// rigid motions, with the terms' stiffness and the body's inertia. The rest of it the terms get as impulses, so that
+  /// all momentum is kept. A body that is pressed hard would else be spun the more, the harder it is pressed. False if
+  /// nothing was moved.
+  COROTET_COLD bool share_correction(const Body& body, double gamma, const Matrix<double, 3, 8>& sums,
+                                     TermSum<Scalar>& terms, const TermState<Scalar>& linearized,
+                                     Field<Scalar>& displacement, Field<Scalar>& velocity) {
+    const Motion solved = motion(body, sums);
+    const auto x = placed(body, displacement);
+    using Vec6 = Matrix<double, 6, 1>;
+    const auto rigid_motion = [&x, &solved](const Vec6& twist) {
+      return [&x, &solved, twist](Index i) -> Vec3<Scalar> {
+        const Vec3<double> about = twist.tail<3>();
+        return (twist.head<3>() + about.cross(x(i) - solved.centre)).template cast<Scalar>();
+      };
+    };
+    Matrix<double, 6, 6> resistance = Matrix<double, 6, 6>::Zero();
+    for (int k = 0; k < 6; ++k) {
+      const Vec6 mode = Matrix<double, 6, 6>::Identity().col(k);
+      resistance.set_col(k, resultant(x, solved.centre, terms.stiffness_product(linearized, rigid_motion(mode))));
+    }
+    // Impulses of springs go with their points. Those of contacts stay with the obstacles.
+    const Field<Scalar>& of_pieces = terms.piecewise_impulses(linearized);
+    Mat3<double> moments = Mat3<double>::Zero();
+    for (Index i = 0; i < body.vertex_count(); ++i) {
+      const Vec3<Scalar> impulse = terms.impulse(i, static_cast<Scalar>(gamma)) - of_pieces[at(i)];
+      moments += (x(i) - solved.centre) * impulse.template cast<double>().transpose();
+    }
+    const Mat3<double> turning = gamma * (moments - moments.trace() * Mat3<double>::Identity());
+    const Mat3<double> inertia =
+        solved.second.trace() * Mat3<double>::Identity() - (solved.second + solved.second.transpose()) / 2;
+    resistance.set_block(3, 3, Mat3<double>(resistance.template block<3, 3>(3, 3) + inertia - turning));
+    for (int i = 0; i < 3; ++i) resistance(i, i) += body.mass().total();
+
+    const Vec3<double> moment = sums.col(7) - solved.centre.cross(sums.col(6));
+    const Vec3<double> lacking =  // turn_rate_ is the same in the frame
+        rotation_by(turn_).transpose() * goal_ + moment - solved.momentum - inertia * turn_rate_;
+    Vec6 change = Vec6::Zero();
+    for (int i = 0; i < 3; ++i) change[3 + i] = lacking[i];
+    Matrix<double, 6, 6> root;
+    if (!inverse_cholesky(Matrix<double, 6, 6>(0.5 * (resistance + resistance.transpose())), root)) return false;
+    change = root.transpose() * (root * change);
+    const Field<Scalar>& move = terms.move(linearized, rigid_motion(change));
+    held_moment_ = resultant(x, solved.centre, terms.piecewise_impulses(linearized)).template tail<3>();
+    for (Index i = 0; i < body.vertex_count(); ++i) {
+      displacement[at(i)] += static_cast<Scalar>(gamma) * move[at(i)];
+      velocity[at(i)] += move[at(i)];
+    }
+    return true;
+  }
+
+  /// Sum of a field of impulses, and of their moments about a centre.
+  template <class Place>
+  [[nodiscard]] static Matrix<double, 6, 1> resultant(const Place& x, const Vec3<double>& centre,
+                                                      const Field<Scalar>& impulse) {
+    Vec3<double> sum = Vec3<double>::Zero(), moment = sum;
+    for (Index i = 0; i < size_of(impulse); ++i) {
+      const Vec3<double> p = impulse[at(i)].template cast<double>();
+      sum += p;
+      moment += (x(i) - centre).cross(p);
+    }
+    Matrix<double, 6, 1> both;
+    both.set_block(0, 0, sum);
+    both.set_block(3, 0, moment);
+    return both;
+  }
 
   [[nodiscard]] static auto relative(std::span<const Vec3<Scalar>> field) {
     return
@@ -231,6 +319,7 @@ class TurningFrame {
   Vec3<double> turn_rate_ = Vec3<double>::Zero();  // angular velocity of the frame, rad/s, 0 if it was not entered
   Vec3<double> turn_ = Vec3<double>::Zero();       // the angle of that in the step, rad
   Vec3<double> pivot_ = Vec3<double>::Zero(), pivot_velocity_ = pivot_;
+  Vec3<double> held_moment_ = Vec3<double>::Zero();  // of piecewise terms, where they saw the body
   DeterministicReduction<24> before_sums_, after_sums_;
   DeterministicSum finite_;
 };

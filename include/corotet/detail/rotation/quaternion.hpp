@@ -45,4 +45,20 @@ template <std::floating_point Scalar>
   return rotation_of<double>({cosine, axis[0], axis[1], axis[2]});
 }
 
+/// The axis of a rotation times its angle, rad, at most pi: of rotation_by the inverse.
+[[nodiscard]] COROTET_COLD inline Vec3<double> rotation_vector(const Mat3<double>& r) {
+  Matrix<double, 4, 1> q = quaternion_of(r);
+  if (q[0] < 0) q = -q;
+  const Vec3<double> axis(q[1], q[2], q[3]);
+  const double sine = axis.norm();
+  if (!(sine > 0)) return Vec3<double>::Zero();
+  constexpr double quarter_turn = 1.5707963267948966;
+  double half_angle = sine < q[0] ? sine : quarter_turn - q[0];
+  for (int i = 0; i < 3; ++i) {  // adds the sine of what is missing: of third order
+    const auto [s, c] = detail::sine_and_cosine(half_angle);
+    half_angle += sine * c - q[0] * s;
+  }
+  return 2 * half_angle / sine * axis;
+}
+
 }  // namespace corotet::inline v0_1

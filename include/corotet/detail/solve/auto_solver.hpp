@@ -243,7 +243,7 @@ template <std::floating_point Scalar>
 SolveReport AutoSolver<Scalar>::solve_directly(const StepSystem<Scalar>& system, Field<Scalar>& x,
                                                ExecutorRef executor) {
   std::fill(x.begin(), x.end(), Vec3<Scalar>::Zero());
-  if (!is_tolerance(options_.tolerance)) return {SolveStatus::invalid_options, 0, 1.0};
+  if (!is_tolerance(options_.tolerance) || system.coupling != nullptr) return {SolveStatus::invalid_options, 0, 1.0};
   if (!methods_->cholesky.factorize(system.matrix)) return {SolveStatus::breakdown, 0, 1.0};
   const auto factor = [this](const Field<Scalar>& r, Field<Scalar>& y) { methods_->cholesky.solve(r, y); };
   return methods_->refinement.solve(system.matrix, factor, system.right_side, x, options_.tolerance, executor);

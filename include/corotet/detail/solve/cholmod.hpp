@@ -76,6 +76,7 @@ class CholmodSolver {
   }
 
   SolveReport solve(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor) {
+    if (system.coupling != nullptr) return {SolveStatus::invalid_options, 0, 1.0};
     const BlockMatrix<Scalar>& matrix = system.matrix;
     double* value = matrix_.valuePtr();
     const BlockPattern& pattern = matrix.pattern();

@@ -37,8 +37,10 @@ class InitialGuess {
                const Products& product, ExecutorRef executor) {
     for (PaddedField<Scalar>& last : last_)
       for (const Index v : system.pinned) last[at(v)] = {};
+    const bool couples = system.coupling != nullptr;
+    if (couples) multiply_coupled(system, product);
     const Sums sums = sums_(executor, [&](Index begin, Index end) {
-      multiply(system.matrix, product, begin, end);
+      if (!couples) multiply(system.matrix, product, begin, end);
       for (Index i = begin; i < end; ++i) r[at(i)].set(system.right_side[at(i)]);
       Sums part;
       std::size_t n = 0;
@@ -119,6 +121,11 @@ class InitialGuess {
       c.factor[k] = sum / l[k][k];
     }
     return c;
+  }
+
+  COROTET_COLD void multiply_coupled(const StepSystem<Scalar>& system, const Products& product) const {
+    multiply(system.matrix, product, 0, size_of(last_[0]));
+    for (std::size_t k = 0; k < depth; ++k) system.coupling->add(last_[k], *product[k]);
   }
 
   /// Rows [begin, end) of all products, for one read of the matrix.

@@ -77,9 +77,10 @@ class Pcg {
     double error2 = preconditioner.apply(r_, z_, executor);
     if (!std::isfinite(error2) || error2 < 0 || !std::isfinite(energy)) return {SolveStatus::breakdown, 0, 1.0};
 
-    const double wanted = options.tolerance * options.tolerance;
+    const double tolerance = (std::min)(options.tolerance * system.looseness, max_loose_tolerance);
+    const double wanted = tolerance * tolerance;
     while (error2 > wanted * energy) {
-      iterate(system.matrix, preconditioner, error2, wanted, options.max_iterations, energy, report, executor);
+      iterate(system, preconditioner, error2, wanted, options.max_iterations, energy, report, executor);
       const double before = error2;
       measure(system, executor);
       error2 = preconditioner.apply(r_, z_, executor);
@@ -110,7 +111,7 @@ class Pcg {
  private:
   /// Conjugate gradients from x_, whose residual is r_ with z_ = P r_ and r_ . z_ = rz, until the error that the
   /// recursion follows is small enough. `energy` is that of x, and follows it.
-  void iterate(const BlockMatrix<Scalar>& matrix, PreconditionerRef<Scalar> preconditioner, double rz, double wanted,
+  void iterate(const StepSystem<Scalar>& system, PreconditionerRef<Scalar> preconditioner, double rz, double wanted,
                int max_iterations, double& energy, SolveReport& report, ExecutorRef executor) {
     detail::RecentGains<PreconditionerRef<Scalar>::max_estimator_delay> gains(preconditioner.estimator_delay());
     // What the recursion has left below this is rounding: a small system is solved before the gains tell.
@@ -124,10 +125,11 @@ class Pcg {
         return;
       }
       PaddedField<Scalar>& q = z_;  // = A p_; the z_ of before is in p_
-      const double curvature = sum_(executor, [&](Index begin, Index end) {
-        for (Index i = begin; i < end; ++i) q[at(i)].set(matrix.row_product(i, p_));
+      double curvature = sum_(executor, [&](Index begin, Index end) {
+        for (Index i = begin; i < end; ++i) q[at(i)].set(system.matrix.row_product(i, p_));
         return range_dot(p_, q, begin, end);
       });
+      if (system.coupling != nullptr) curvature = couple(*system.coupling, q, executor);
       ++report.iterations;
       if (!(curvature > 0) || !std::isfinite(curvature)) {
         report.status = SolveStatus::breakdown;
@@ -165,7 +167,25 @@ class Pcg {
         r_[at(i)].set(r_[at(i)].vec4() - system.matrix.row_product(i, x_));
       }
     });
+    if (system.coupling != nullptr) subtract_coupling(*system.coupling, executor);
   }
+
+  /// Adds the coupling to the product q with p_. Returns p_ . q.
+  [[nodiscard]] COROTET_COLD double couple(const MatrixFreeTerm<Scalar>& coupling, PaddedField<Scalar>& q,
+                                           ExecutorRef executor) {
+    coupling.add(p_, q);
+    return sum_(executor, [&](Index begin, Index end) { return range_dot(p_, q, begin, end); });
+  }
+  COROTET_COLD void subtract_coupling(const MatrixFreeTerm<Scalar>& coupling, ExecutorRef executor) {
+    for (PaddedVector<Scalar>& z : z_) z = {};
+    coupling.add(x_, z_);
+    for_ranges(executor, size_of(r_), DeterministicSum::grain, [&](Index begin, Index end) {
+      map_range(
+          begin, end, r_, [](auto r, auto z) { return r - z; }, r_, z_);
+    });
+  }
+
+  static constexpr double max_loose_tolerance = 0.5;
 
   detail::Scratch<PaddedVector<Scalar>> x_, r_, z_, p_;
   InitialGuess<Scalar> guess_;

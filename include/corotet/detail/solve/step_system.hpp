@@ -3,13 +3,29 @@
 
 #include <concepts>
 #include <corotet/detail/assembly/block_matrix.hpp>
+#include <corotet/detail/core/register.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <cstdint>
 #include <span>
 
 namespace corotet::inline v0_1 {
 
-/// matrix * x = right_side.
+/// A symmetric, positive semi-definite matrix that is known by its products: what couples vertices that no element
+/// does.
+template <std::floating_point Scalar>
+class MatrixFreeTerm {
+ public:
+  /// Adds the product with x to y. Allocates nothing.
+  virtual void add(const PaddedField<Scalar>& x, PaddedField<Scalar>& y) const = 0;
+
+ protected:
+  MatrixFreeTerm() = default;
+  MatrixFreeTerm(const MatrixFreeTerm&) = default;
+  MatrixFreeTerm& operator=(const MatrixFreeTerm&) = default;
+  ~MatrixFreeTerm() = default;
+};
+
+/// (matrix + coupling) * x = right_side.
 template <std::floating_point Scalar>
 struct StepSystem {
   const BlockMatrix<Scalar>& matrix;
@@ -22,6 +38,11 @@ struct StepSystem {
   /// > 0. Another number means that the matrix changed for other reasons than the displacement: a far longer or shorter
   /// step, other damping, other materials, other pins. See LagKey.
   std::uint64_t lag_key = 0;
+  /// To be added to the matrix, unless null: the sum is positive definite. Preconditioners may
+  /// ignore it; a solver that cannot add it returns SolveStatus::invalid_options.
+  const MatrixFreeTerm<Scalar>* coupling = nullptr;
+  /// >= 1: the solution may be so many times less accurate than the solver's tolerance.
+  double looseness = 1;
 };
 
 }  // namespace corotet::inline v0_1

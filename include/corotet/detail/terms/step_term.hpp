@@ -9,6 +9,9 @@
 
 namespace corotet::inline v0_1 {
 
+template <std::floating_point Scalar>
+class PiecewiseTerm;
+
 /// A force on a body, and how it changes with position and velocity: a spring, an attachment, a contact, a drag.
 ///
 /// Derive from it where a force depends on the state, above all if it is stiff: the step solves it implicitly, with its
@@ -54,6 +57,12 @@ class StepTerm {
 
   /// The body at the end of an accepted step: for what a term carries on (multipliers, plastic slip).
   virtual void end_step(const TermState<Scalar>& /*end*/) {}
+
+  /// Once the step has begun: whether it must be of backward Euler, because motion is not smooth here.
+  [[nodiscard]] virtual bool needs_first_order() const { return false; }
+
+  /// Terms that are solved for in passes return themselves.
+  [[nodiscard]] virtual PiecewiseTerm<Scalar>* piecewise() { return nullptr; }
 
  protected:
   StepTerm() = default;

@@ -70,6 +70,14 @@ struct TermState {
            frame.angular_velocity.cross(position(vertex) - frame.pivot);
   }
 
+  /// A direction or velocity of the frame in space, and back.
+  [[nodiscard]] Vec3<Scalar> to_space(const Vec3<Scalar>& v) const {
+    return frame.turns ? Vec3<Scalar>(frame.rotation * v) : v;
+  }
+  [[nodiscard]] Vec3<Scalar> to_frame(const Vec3<Scalar>& v) const {
+    return frame.turns ? Vec3<Scalar>(frame.rotation.transpose() * v) : v;
+  }
+
   /// The place of a vertex of the body in the piece's arrays.
   [[nodiscard]] std::size_t index(Index vertex) const {
     COROTET_ASSERT(contains(vertex), "this vertex belongs to another piece of the body: ask contains() first");

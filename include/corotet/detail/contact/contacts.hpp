@@ -1,0 +1,608 @@
+// Contact of a body with obstacles: a term of its steps.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <corotet/detail/contact/contact_finder.hpp>
+#include <corotet/detail/contact/contact_points.hpp>
+#include <corotet/detail/contact/free_obstacles.hpp>
+#include <corotet/detail/contact/obstacles.hpp>
+#include <corotet/detail/contact/point_contact.hpp>
+#include <corotet/detail/core/compiler.hpp>
+#include <corotet/detail/core/exactly.hpp>
+#include <corotet/detail/core/types.hpp>
+#include <corotet/detail/terms/piecewise_term.hpp>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace corotet::inline v0_1 {
+
+/// How a body touches. No stiffness is among them: springs follow from the body's matrix.
+struct ContactOptions {
+  double friction = 0;               ///< coefficient >= 0 against obstacles that have none of their own
+  double margin = 0;                 ///< distance that is kept from obstacles, m
+  int passes = 30;                   ///< >= 1: linear solves in a step at most
+  double max_depenetration = 1;      ///< speed at which points that start inside an obstacle are led out, m/s, > 0
+  Index max_contacts_per_point = 4;  ///< in the mean over all points: memory for contacts
+};
+
+/// How contact was in the last step.
+struct ContactReport {
+  Index candidates = 0;     ///< points within reach, once for each obstacle
+  Index touching = 0;       ///< with a force
+  Index sliding = 0;        ///< of these
+  int passes = 0;           ///< linear solves
+  bool settled = true;      ///< none of the contacts would have changed in another pass
+  double deepest = 0;       ///< of any point inside an obstacle at the end, m
+  double normal_force = 0;  ///< sum of all, N
+  Index dropped = 0;        ///< for which there was no memory: see ContactOptions::max_contacts_per_point
+};
+
+/// One contact of the last step, in the world.
+struct Touch {
+  Index point;           ///< of the ContactPoints
+  Index obstacle;        ///< of the Obstacles
+  Vec3<double> place;    ///< m, at the start of the step
+  Vec3<double> normal;   ///< out of the obstacle
+  Vec3<double> impulse;  ///< on the body, N s
+  bool slides;
+};
+
+/// Contact of a body with obstacles, with Coulomb friction.
+///
+/// Use it as a term of the body's steps; one for each body, obstacles may be shared. Contact is implicit: points rest
+/// without sinking in, stick without creeping, and are stopped at any speed. The free obstacles among them are solved
+/// for with the body, at any ratio of masses.
+/// @snippet contact.cpp contact
+/// The method: implicit springs that carry multipliers (see detail::PointContact), whose stiffness follows from the
+/// body's matrix and mass, and semismooth Newton passes over the active set (see PiecewiseTerm). A step at rest or in
+/// steady sliding takes one linear solve.
+///
+/// Points of the body are tested against obstacles: edges of an obstacle that are thinner than the distance of two
+/// points slip between them. A step in which a free obstacle is near, and one after contact forces have jumped, is of
+/// backward Euler. Steps allocate nothing, but the first one after an obstacle was added.
+template <std::floating_point Scalar>
+class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scalar> {
+ public:
+  /// `obstacles` must outlive it.
+  COROTET_COLD Contacts(ContactPoints points, Obstacles& obstacles, const ContactOptions& options = {});
+
+  [[nodiscard]] const ContactOptions& options() const { return options_; }
+  [[nodiscard]] const ContactPoints& points() const { return points_; }
+  /// Of the last step.
+  [[nodiscard]] const ContactReport& report() const { return report_; }
+  /// Those with a force, in the order of obstacles, then of points.
+  [[nodiscard]] std::span<const Touch> touches() const { return touches_; }
+
+  /// Forgets the forces of earlier steps: after the body was set elsewhere.
+  void reset() {
+    memory_.clear();
+    touches_.clear();
+    report_ = {};
+    was_busy_ = has_jumped_ = false;
+  }
+
+  void begin_step(const TermState<Scalar>& start) override;
+  [[nodiscard]] bool needs_first_order() const override { return has_jumped_ || !free_.empty(); }
+  void add_force(const TermState<Scalar>& state, TermForces<Scalar>& out) override;
+  [[nodiscard]] bool linearize(PassSystem<Scalar>& system) override;
+  [[nodiscard]] bool revise(const PassSystem<Scalar>& system, double error) override;
+  void update(PassSystem<Scalar>& system) override;
+  void solved(const PassSystem<Scalar>& system) override;
+  void begin_search(const PassSystem<Scalar>& system, double& slope, double& curvature) override;
+  [[nodiscard]] double slope_at(double fraction) const override;
+  void end_search(double fraction) override { free_.end_search(fraction); }
+  [[nodiscard]] bool acts() const override;
+  void fix_impulses() override {
+    for (Contact& contact : contacts_) contact.given = contact.impulse;
+  }
+  void add_impulses(const TermState<Scalar>& state, Field<Scalar>& impulse) const override;
+  void subtract_product(const TermState<Scalar>& state, const Field<Scalar>& change,
+                        Field<Scalar>& impulse) const override;
+  void move(const Field<Scalar>& change) override;
+  [[nodiscard]] const MatrixFreeTerm<Scalar>* coupling() const override { return free_.empty() ? nullptr : this; }
+  [[nodiscard]] int max_passes() const override { return options_.passes; }
+  [[nodiscard]] bool was_busy() const override { return was_busy_; }
+  void end_passes(int passes, bool settled) override {
+    report_.passes = passes;
+    report_.settled = settled;
+  }
+  void end_step(const TermState<Scalar>& end) override;
+
+ private:
+  using Contact = detail::PointContact;
+  using Memory = detail::ContactMemory;
+
+  // The spring of a contact is that of the matrix's diagonal at its point, but all springs together are at most so many
+  // times the mass of the body: the error of the linear solve would move stiffer ones.
+  static constexpr double body_mass_ratio = 1000;
+  static constexpr double near_share = 2e-3, depth_share = 1e-3, start_share = 1e-5;  // of the points' extent
+  static constexpr double reach_factor = 1.5;
+
+  [[nodiscard]] bool is_here(Index point, const TermState<Scalar>& state) const {
+    return state.contains(points_.vertex(points_.first(point)));
+  }
+  /// Where a point is at a state, in the world, m.
+  [[nodiscard]] Vec3<double> place_of(Index point, const TermState<Scalar>& state) const {
+    return points_.interpolate(point, [&](Index v) { return state.position(v); }) + state.origin;
+  }
+  [[nodiscard]] static Vec3<double> centre_of_mass(const TermState<Scalar>& state);
+  /// What a point has of a field of changes in the frame of the linearisation, in space.
+  [[nodiscard]] Vec3<double> value_of(Index point, const Field<Scalar>& field) const {
+    return in_space(points_.interpolate(point, [&](Index v) { return field[linearized_.index(v)]; }));
+  }
+  /// Where a point ends without a change of velocities, in the world, m.
+  [[nodiscard]] Vec3<double> guessed_end(Index point, const PassSystem<Scalar>& system) const {
+    Vec3<double> end = place_of(point, system.state);
+    if (system.guess != nullptr) end += double(system.state.gamma) * value_of(point, *system.guess);
+    return end;
+  }
+
+  [[nodiscard]] Vec3<double> in_frame(const Vec3<double>& v) const {
+    return linearized_.frame.turns ? linearized_.frame.rotation.template cast<double>().transpose() * v : v;
+  }
+  [[nodiscard]] Vec3<double> in_space(const Vec3<double>& v) const {
+    return linearized_.frame.turns ? linearized_.frame.rotation.template cast<double>() * v : v;
+  }
+  [[nodiscard]] Mat3<double> in_frame(const Mat3<double>& k) const {
+    if (!linearized_.frame.turns) return k;
+    const Mat3<double> q = linearized_.frame.rotation.template cast<double>();
+    return q.transpose() * k * q;
+  }
+
+  /// Calls visit(vertex, weight) for the vertices that carry the contact's point.
+  template <class Visit>
+  void for_carriers(const Contact& contact, const Visit& visit) const {
+    for (Index e = points_.first(contact.point); e < points_.last(contact.point); ++e)
+      visit(points_.vertex(e), points_.weight(e));
+  }
+
+  void find_all(const TermState<Scalar>& start);
+  bool find(Index point, Index obstacle);
+  [[nodiscard]] const Memory* memory_at(Index obstacle, Index point) const;
+  void choose_springs(const PassSystem<Scalar>& system);
+  void choose_spring(Contact& contact, const PassSystem<Scalar>& system);
+  void add_to_matrix(const Contact& contact, const Mat3<Scalar>& k, BlockMatrix<Scalar>& matrix) const;
+  [[nodiscard]] bool find_crossings(const PassSystem<Scalar>& system);
+  [[nodiscard]] bool augment();
+  /// From some pass on, so that the passes converge.
+  [[nodiscard]] bool keeps_limits() const { return revisions_ > 6; }
+  void keep_memory(const TermState<Scalar>& end);
+  void add(const PaddedField<Scalar>& x, PaddedField<Scalar>& y) const override;
+
+  ContactOptions options_;
+  ContactPoints points_;
+  Obstacles* obstacles_;
+  std::vector<Contact> contacts_;             // of this step
+  std::vector<Memory> memory_, next_memory_;  // of the last one, by obstacle and point
+  std::vector<Touch> touches_;
+  std::vector<Vec3<double>> start_, end_;   // of points, in the world, m; end: as guessed
+  std::vector<double> slack_;               // how far from `end` a point may end before it is looked at again, m
+  std::vector<Vec3<double>> from_, along_;  // of the line search, one a contact, m/s
+  std::vector<double> share_;               // sum of the weights that contacts have on a vertex
+  detail::FreeObstacles free_;
+  TermState<Scalar> linearized_;  // of this step
+  ContactReport report_;
+  Vec3<double> start_centre_ = Vec3<double>::Zero();  // of the body's mass, if there is a free obstacle
+  int revisions_ = 0, augmentations_ = 0;             // of this linearisation
+  double spring_cap_ = 0;                             // of the mass
+  double h_ = 0, gamma_ = 0;
+  bool has_springs_ = false, was_busy_ = false, has_jumped_ = false;
+};
+
+template <std::floating_point Scalar>
+Contacts<Scalar>::Contacts(ContactPoints points, Obstacles& obstacles, const ContactOptions& options)
+    : options_(options), points_(std::move(points)), obstacles_(&obstacles) {
+  COROTET_ASSERT(options.passes >= 1 && options.friction >= 0 && options.max_depenetration > 0,
+                 "contact needs a pass, friction that is not negative, and a speed to leave obstacles at");
+  const std::size_t count = at(points_.size()), capacity = count * at((std::max)(options.max_contacts_per_point, 1));
+  contacts_.reserve(capacity);
+  memory_.reserve(capacity);
+  next_memory_.reserve(capacity);
+  touches_.reserve(capacity);
+  from_.resize(capacity);
+  along_.resize(capacity);
+  start_.resize(count);
+  end_.resize(count);
+  slack_.resize(count);
+  share_.assign(at(points_.vertex_count()), 0);
+}
+
+template <std::floating_point Scalar>
+const detail::ContactMemory* Contacts<Scalar>::memory_at(Index obstacle, Index point) const {
+  const auto found = std::lower_bound(
+      memory_.begin(), memory_.end(), std::pair(obstacle, point),
+      [](const Memory& m, const std::pair<Index, Index>& key) { return std::pair(m.obstacle, m.point) < key; });
+  return found != memory_.end() && found->obstacle == obstacle && found->point == point ? &*found : nullptr;
+}
+
+template <std::floating_point Scalar>
+void Contacts<Scalar>::begin_step(const TermState<Scalar>& start) {
+  obstacles_->begin_step(double(start.h));
+  h_ = double(start.h);
+  report_ = {};
+  contacts_.clear();
+  touches_.clear();
+  has_springs_ = false;
+  find_all(start);
+  free_.begin(*obstacles_, contacts_);
+  for (Index o = 0; o < obstacles_->size(); ++o)
+    if ((*obstacles_)[o].is_free() && (*obstacles_)[o].enabled) {
+      start_centre_ = centre_of_mass(start);
+      break;
+    }
+}
+
+template <std::floating_point Scalar>
+Vec3<double> Contacts<Scalar>::centre_of_mass(const TermState<Scalar>& state) {
+  Vec3<double> sum = Vec3<double>::Zero();
+  for (std::size_t i = 0; i < state.rest.size(); ++i)
+    sum += double(state.mass->row_sum(static_cast<Index>(i))) *
+           (state.rest[i].template cast<double>() + state.displacement[i].template cast<double>());
+  return sum / state.mass->total();
+}
+
+template <std::floating_point Scalar>
+void Contacts<Scalar>::find_all(const TermState<Scalar>& start) {
+  Box around;
+  double farthest = 0;
+  for (Index p = 0; p < points_.size(); ++p) {
+    if (!is_here(p, start)) continue;
+    start_[at(p)] = place_of(p, start);
+    end_[at(p)] = start_[at(p)] + h_ * points_.interpolate(p, [&](Index v) { return start.velocity(v); });
+    around.add(start_[at(p)]);
+    farthest = (std::max)(farthest, (end_[at(p)] - start_[at(p)]).norm());
+    slack_[at(p)] = std::numeric_limits<double>::infinity();
+  }
+  const Vec3<double> centre = 0.5 * (around.low + around.high);
+  const double radius = 0.5 * (around.high - around.low).norm();
+  for (Index o = 0; o < obstacles_->size(); ++o) {
+    const Obstacle& obstacle = (*obstacles_)[o];
+    if (!obstacle.enabled) continue;
+    const double speed = obstacle.velocity_at(centre).norm() + obstacle.angular_velocity.norm() * radius;
+    const double path = farthest + h_ * speed;  // of any point, at most
+    const double clear = obstacle.distance(centre).distance - options_.margin - radius;
+    const bool is_far = clear > reach_factor * path + near_share * points_.extent();
+    for (Index p = 0; p < points_.size(); ++p) {
+      if (!is_here(p, start)) continue;
+      if (is_far)
+        slack_[at(p)] = (std::min)(slack_[at(p)], clear - path);
+      else
+        find(p, o);
+    }
+  }
+  report_.candidates = size_of(contacts_);
+}
+
+template <std::floating_point Scalar>
+bool Contacts<Scalar>::find(Index point, Index obstacle) {
+  const Obstacle& other = (*obstacles_)[obstacle];
+  const detail::ContactQuery query{
+      start_[at(point)],         end_[at(point)], h_, options_.margin, near_share * points_.extent(),
+      options_.max_depenetration};
+  const Memory* before = memory_at(obstacle, point);
+  const auto found = detail::find_contact(query, other, reach_factor, before, slack_[at(point)]);
+  if (!found) return false;
+  if (contacts_.size() == contacts_.capacity()) {
+    ++report_.dropped;
+    return false;
+  }
+  Contact& contact = contacts_.emplace_back(*found);
+  contact.point = point;
+  contact.obstacle = obstacle;
+  contact.friction = other.friction >= 0 ? other.friction : options_.friction;
+  // A point that rests stays as it was; another one touches if it moves in by more than rounding.
+  const double moves_in = -(contact.gap + contact.normal.dot(end_[at(point)] - contact.reference - contact.led));
+  if (before != nullptr && before->force > 0)
+    contact.phase = before->phase;
+  else if (moves_in > start_share * points_.extent())
+    contact.phase = ContactPhase::sticking;
+  return true;
+}
+
+template <std::floating_point Scalar>
+void Contacts<Scalar>::add_force(const TermState<Scalar>& state, TermForces<Scalar>& out) {
+  for (Contact& contact : contacts_) {
+    contact.told.setZero();
+    if (!has_springs_) continue;
+    // In Newton's iteration: the law at the new iterate, with the springs of the step.
+    const double gamma = double(state.gamma);
+    contact.linearize(place_of(contact.point, state), gamma, contact.kappa, contact.kappa_t);
+    contact.evaluate(-free_.motion(contact));
+    contact.told = contact.impulse / gamma;
+    for_carriers(contact, [&](Index v, double weight) { out.add(v, (weight * contact.told).template cast<Scalar>()); });
+  }
+}
+
+template <std::floating_point Scalar>
+bool Contacts<Scalar>::linearize(PassSystem<Scalar>& system) {
+  const TermState<Scalar>& state = linearized_ = system.state;
+  gamma_ = double(state.gamma);
+  free_.set_ratio(h_ / gamma_);
+  if (!has_springs_) choose_springs(system);
+  for (Contact& contact : contacts_) {
+    contact.linearize(guessed_end(contact.point, system), gamma_, contact.kappa, contact.kappa_t);
+    if (has_springs_)
+      contact.evaluate(-free_.motion(contact));
+    else
+      contact.start_from_memory(gamma_);
+    contact.stiffness_in.setZero();
+    contact.impulse_in = gamma_ * contact.told;
+  }
+  has_springs_ = true;
+  revisions_ = augmentations_ = 0;
+  update(system);
+  return !contacts_.empty();
+}
+
+template <std::floating_point Scalar>
+void Contacts<Scalar>::choose_springs(const PassSystem<Scalar>& system) {
+  // With a free obstacle, the smaller of the two masses counts.
+  spring_cap_ = body_mass_ratio / double((std::max)(contacts_.size(), std::size_t{1}));
+  for (const Contact& contact : contacts_)
+    for_carriers(contact, [&](Index v, double weight) { share_[at(v)] += std::fabs(weight); });
+  for (Contact& contact : contacts_) choose_spring(contact, system);
+  for (const Contact& contact : contacts_) for_carriers(contact, [&](Index v, double) { share_[at(v)] = 0; });
+}
+
+template <std::floating_point Scalar>
+void Contacts<Scalar>::choose_spring(Contact& contact, const PassSystem<Scalar>& system) {
+  const Vec3<double> normal = in_frame(contact.normal);
+  double along = 0, across = 0;  // compliance of the diagonal, 1/kg
+  for_carriers(contact, [&](Index v, double weight) {
+    const Mat3<double> inverse =
+        system.matrix.diagonal(static_cast<Index>(linearized_.index(v))).template cast<double>().inverse();
+    const double share = weight * weight * (std::max)(1.0, share_[at(v)]), here = normal.dot(inverse * normal);
+    along += share * here;
+    across += share * (inverse.trace() - here) / 2;
+  });
+  double mass = linearized_.mass->total();
+  if (const double other = (*obstacles_)[contact.obstacle].mass(); other > 0) mass = 1 / (1 / mass + 1 / other);
+  contact.kappa = (std::min)(1 / along, spring_cap_ * mass);
+  contact.kappa_t = (std::min)(1 / across, spring_cap_ * mass);
+}
+
+template <std::floating_point Scalar>
+void Contacts<Scalar>::update(PassSystem<Scalar>& system) {
+  for (Contact& contact : contacts_) contact.choose_piece(keeps_limits());
+  free_.eliminate(contacts_);
+  for (Contact& contact : contacts_) {
+    const Vec3<Scalar> impulse = in_frame(contact.piece_impulse - contact.impulse_in).template cast<Scalar>();
+    for_carriers(contact, [&](Index v, double weight) {
+      system.right_side[linearized_.index(v)] += static_cast<Scalar>(weight) * impulse;
+    });
+    contact.impulse_in = contact.piece_impulse;
+    const Mat3<double> change = contact.piece_stiffness - contact.stiffness_in;
+    contact.stiffness_in = contact.piece_stiffness;
+    if (!change.isZero()) add_to_matrix(contact, in_frame(change).template cast<Scalar>(), system.matrix);
+  }
+}
+
+template <std::floating_point Scalar>
+void Contacts<Scalar>::add_to_matrix(const Contact& contact, const Mat3<Scalar>& k, BlockMatrix<Scalar>& matrix) const {
+  for_carriers(contact, [&](Index v, double weight) {
+    const auto row = static_cast<Index>(linearized_.index(v));
+    for_carriers(contact, [&](Index w, double other) {
+      const auto column = static_cast<Index>(linearized_.index(w));
+      matrix.block(matrix.pattern().slot(row, column)) += static_cast<Scalar>(weight * other) * k;
+    });
+  });
+}
+
+template <std::floating_point Scalar>
+void Contacts<Scalar>::solved(const PassSystem<Scalar>& system) {
+  free_.solve(contacts_, [&](const Contact& contact) { return value_of(contact.point, system.change); });
+}
+
+template <std::floating_point Scalar>
+bool Contacts<Scalar>::revise(const PassSystem<Scalar>& system, double error) {
+  constexpr double negligible = 1e-2;   // of the largest impulse
+  constexpr double error_share = 0.03;  // of the solution's error that reaches one contact
+  constexpr double tangential = 1e-3;
+  ++revisions_;
+  bool changed = find_crossings(system);
+  double largest = 0;
+  for (Contact& contact : contacts_) {
+    contact.evaluate(value_of(contact.point, system.change) - free_.motion(contact));
+    largest = (std::max)(largest, contact.normal_trial);
+  }
+  for (Contact& contact : contacts_) {
+    const double noise = error_share * error;
+    changed = contact.judge((std::max)(negligible * largest, noise * std::sqrt(contact.kappa)),
+                            (std::max)(tangential * negligible * largest, noise * std::sqrt(contact.kappa_t)),
+                            keeps_limits()) ||
+              changed;
+  }
+  if (!changed) changed = augment();
+  return changed;
+}
+
+/// What moves farther than was looked at may have leapt over an obstacle.
+template <std::floating_point Scalar>
+bool Contacts<Scalar>::find_crossings(const PassSystem<Scalar>& system) {
+  bool found = false;
+  for (Index p = 0; p < points_.size(); ++p) {
+    if (!is_here(p, linearized_)) continue;
+    const Vec3<double> end = guessed_end(p, system) + gamma_ * value_of(p, system.change);
+    if ((end - end_[at(p)]).norm() <= slack_[at(p)]) continue;
+    end_[at(p)] = end;
+    slack_[at(p)] = std::numeric_limits<double>::infinity();
+    for (Index o = 0; o < obstacles_->size(); ++o) {
+      const auto is_known = [&](const Contact& contact) { return contact.point == p && contact.obstacle == o; };
+      if (!(*obstacles_)[o].enabled || std::any_of(contacts_.begin(), contacts_.end(), is_known) || !find(p, o))
+        continue;
+      Contact& contact = contacts_.back();
+      free_.add(*obstacles_, contact);
+      spring_cap_ = (std::min)(spring_cap_, body_mass_ratio / double(points_.size()));
+      choose_spring(contact, system);
+      contact.linearize(guessed_end(p, system), gamma_, contact.kappa, contact.kappa_t);
+      contact.start_from_memory(gamma_);
+      found = true;
+    }
+  }
+  return found;
+}
+
+/// Lets multipliers follow forces in the same step (method of multipliers), a few times: where points end far deeper
+/// than they were, and where pressure moves on, as under a ball that rolls. There the multipliers of the last step lag
+/// behind it, and would drive the ball. An impact, where all forces are new, is left to the springs.
+template <std::floating_point Scalar>
+bool Contacts<Scalar>::augment() {
+  constexpr int max_augmentations = 3;
+  constexpr double least_change = 0.02, most_change = 0.25;  // of all forces
+  if (augmentations_ == max_augmentations) return false;
+  double change = 0, all = 0;
+  bool is_deep = false;
+  for (const Contact& contact : contacts_) {
+    const double force = (std::max)(0.0, contact.normal_trial) / gamma_;
+    change += std::fabs(force - contact.multiplier);
+    all += (std::max)(force, contact.multiplier);
+    is_deep = is_deep || contact.depth(gamma_) > depth_share * points_.extent();
+  }
+  const bool moves_on = change > least_change * all && change < most_change * all;
+  if (!is_deep && !moves_on) return false;
+  for (Contact& contact : contacts_) contact.augment(gamma_);
+  ++augmentations_;
+  return true;
+}
+
+template <std::floating_point Scalar>
+void Contacts<Scalar>::begin_search(const PassSystem<Scalar>& system, double& slope, double& curvature) {
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const Contact& contact = contacts_[i];
+    Vec3<double> from = value_of(contact.point, system.from);
+    Vec3<double> along = value_of(contact.point, system.change) - from;
+    curvature -= along.dot(contact.stiffness_in * along);
+    slope -= along.dot(contact.stiffness_in * from - contact.impulse_in);
+    from -= free_.motion_from(contact);
+    along -= free_.motion(contact) - free_.motion_from(contact);
+    from_[i] = from;
+    along_[i] = along;
+  }
+  free_.add_inertia(slope, curvature);
+}
+
+template <std::floating_point Scalar>
+double Contacts<Scalar>::slope_at(double fraction) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < contacts_.size(); ++i)
+    sum -= contacts_[i].work(from_[i] + fraction * along_[i], along_[i]);
+  return sum;
+}
+
+template <std::floating_point Scalar>
+bool Contacts<Scalar>::acts() const {
+  return std::any_of(contacts_.begin(), contacts_.end(),
+                     [](const Contact& contact) { return !contact.impulse.isZero(); });
+}
+
+template <std::floating_point Scalar>
+void Contacts<Scalar>::add_impulses(const TermState<Scalar>& state, Field<Scalar>& impulse) const {
+  for (const Contact& contact : contacts_) {
+    const Vec3<Scalar> more = in_frame(contact.given - gamma_ * contact.told).template cast<Scalar>();
+    for_carriers(contact,
+                 [&](Index v, double weight) { impulse[state.index(v)] += static_cast<Scalar>(weight) * more; });
+  }
+}
+
+template <std::floating_point Scalar>
+void Contacts<Scalar>::subtract_product(const TermState<Scalar>& state, const Field<Scalar>& change,
+                                        Field<Scalar>& impulse) const {
+  for (const Contact& contact : contacts_) {
+    if (contact.phase == ContactPhase::open) continue;
+    const Vec3<Scalar> part =
+        in_frame(contact.piece_stiffness * value_of(contact.point, change)).template cast<Scalar>();
+    for_carriers(contact,
+                 [&](Index v, double weight) { impulse[state.index(v)] -= static_cast<Scalar>(weight) * part; });
+  }
+}
+
+template <std::floating_point Scalar>
+void Contacts<Scalar>::move(const Field<Scalar>& change) {
+  for (Contact& contact : contacts_)
+    if (contact.phase != ContactPhase::open) contact.given -= contact.piece_stiffness * value_of(contact.point, change);
+}
+
+template <std::floating_point Scalar>
+void Contacts<Scalar>::add(const PaddedField<Scalar>& x, PaddedField<Scalar>& y) const {
+  free_.couple(
+      contacts_,
+      [&](const Contact& contact) {
+        Vec3<double> sum = Vec3<double>::Zero();
+        for_carriers(contact, [&](Index v, double weight) {
+          sum += weight * x[linearized_.index(v)].vector().template cast<double>();
+        });
+        return Vec3<double>(in_space(sum));
+      },
+      [&](const Contact& contact, const Vec3<double>& f) {
+        const Vec3<Scalar> part = in_frame(f).template cast<Scalar>();
+        for_carriers(contact, [&](Index v, double weight) {
+          PaddedVector<Scalar>& to = y[linearized_.index(v)];
+          to.set(Vec3<Scalar>(to.vector() + static_cast<Scalar>(weight) * part));
+        });
+      });
+}
+
+template <std::floating_point Scalar>
+void Contacts<Scalar>::end_step(const TermState<Scalar>& end) {
+  std::sort(contacts_.begin(), contacts_.end(), [](const Contact& a, const Contact& b) {
+    return std::pair(a.obstacle, a.point) < std::pair(b.obstacle, b.point);
+  });
+  const double eta = h_ / gamma_;
+  double moved = 0, all = 0;
+  for (Contact& contact : contacts_) {
+    const double force = contact.normal.dot(contact.given) / gamma_;
+    moved += std::fabs(force - contact.last_force);
+    all += (std::max)(force, contact.last_force);
+    const Vec3<double> place = place_of(contact.point, end);
+    const double gap = contact.measured_gap +
+                       contact.normal.dot(place - contact.reference - contact.led - gamma_ * free_.motion(contact));
+    report_.deepest = (std::max)(report_.deepest, -gap);
+    contact.is_inside = gap < 0;
+    if (contact.given.isZero()) continue;
+    ++report_.touching;
+    const bool slides = contact.phase == ContactPhase::sliding;
+    if (slides) ++report_.sliding;
+    report_.normal_force += force;
+    const Vec3<double> impulse = eta * contact.given;
+    (*obstacles_)[contact.obstacle].add_load({-impulse, -contact.arm.cross(impulse)});
+    touches_.push_back({contact.point, contact.obstacle, contact.start, contact.normal, impulse, slides});
+  }
+  // The body's moment is that of the impulse where its point ends, about its centre of mass there.
+  Vec3<double> flown = Vec3<double>::Zero();
+  const bool moves_freely = linearized_.frame.turns;
+  if (!free_.empty() && moves_freely) flown = centre_of_mass(end) - start_centre_;
+  free_.finish(contacts_, *obstacles_, [&](const Contact& contact) -> Vec3<double> {
+    return moves_freely ? Vec3<double>(contact.arm + place_of(contact.point, end) - contact.start - flown)
+                        : contact.arm;
+  });
+  keep_memory(end);
+  has_jumped_ = moved > 0.5 * all;
+  was_busy_ = report_.passes > 1;
+}
+
+/// Memory of contacts with a force, and of those that other pieces of the body have.
+template <std::floating_point Scalar>
+void Contacts<Scalar>::keep_memory(const TermState<Scalar>& end) {
+  const double share = detail::exactly_equal(h_, gamma_) ? 0.5 : 0.05;  // of the force, for the multiplier
+  next_memory_.clear();
+  for (const Memory& memory : memory_)
+    if (!is_here(memory.point, end)) next_memory_.push_back(memory);
+  const auto others = static_cast<std::ptrdiff_t>(next_memory_.size());
+  for (const Contact& contact : contacts_)
+    if (contact.is_inside || contact.normal.dot(contact.given) > 0)
+      next_memory_.push_back(detail::memory_of(contact, (*obstacles_)[contact.obstacle], gamma_, share));
+  if (others > 0)
+    std::sort(next_memory_.begin(), next_memory_.end(), [](const Memory& a, const Memory& b) {
+      return std::pair(a.obstacle, a.point) < std::pair(b.obstacle, b.point);
+    });
+  memory_.swap(next_memory_);
+}
+
+COROTET_INSTANCES_OF_SCALAR(Contacts)
+
+}  // namespace corotet::inline v0_1
