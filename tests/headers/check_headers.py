@@ -7,7 +7,8 @@ RULE is one of
   layers     a header of a folder in detail/ includes only its own folder and the folders below it; a face header, which
              lies outside detail/, includes headers of these folders alone
   alone      what few programs need (files, mesh generation) is reached by its own face header alone
-  forbidden  no exceptions, RTTI, printing or exiting, no macro but COROTET_... and no name that is one elsewhere
+  forbidden  no exceptions, RTTI, printing or exiting, no function that C libraries round differently, no macro but
+             COROTET_... and no name that is one elsewhere
   length     under 500 lines a header, at most 120 characters a line
   umbrella   corotet/corotet.hpp includes the face headers alone, all but the opt-in ones, and through them reaches every
              header but the opt-in ones, which opt-in face headers reach; and at its top, while macros of platforms are
@@ -41,6 +42,11 @@ FORBIDDEN = [
         "a macro of some platform: take another name; call (std::min)(a, b), std::fabs(x)",
     ),
 ]
+# Functions that C libraries round differently; files and pictures may hold what they return.
+ROUNDED = re.compile(
+    r"\bstd::(sqrt|cbrt|hypot|pow|exp2?|expm1|log(2|10|1p)?|a?(sin|cos|tan)h?|atan2|erfc?|[lt]gamma|fma)\b"
+)
+MAY_ROUND = ("corotet/detail/mesh/io/", "corotet/detail/core/square_root.hpp")
 # Those two put such macros aside.
 MACRO_HEADERS = ("corotet/detail/core/macros_off.hpp", "corotet/detail/core/macros_on.hpp")
 
@@ -111,6 +117,10 @@ def check_forbidden(headers, _opt_in):
         for pattern, reason in FORBIDDEN:
             for match in re.finditer(pattern, text):
                 yield f"{name}:{line_of(text, match.start())}: '{match.group().strip()}': {reason}"
+        if not name.startswith(MAY_ROUND):
+            for match in ROUNDED.finditer(text):
+                yield f"{name}:{line_of(text, match.start())}: '{match.group()}': not the same bits with every C " \
+                    "library: take detail/core/elementary.hpp or square_root.hpp"
 
 
 def check_length(headers, _opt_in):

@@ -62,6 +62,9 @@ class CheckHeaders(unittest.TestCase):
             "y = std::max(1, 2);",
             "std::numeric_limits<int>::min();",
             "using std::abs; z = abs (x);",
+            "y = std::sqrt(x);",
+            "y = std::atan2(x, z);",
+            "y = std::log1p(x);",
         ]:
             found = self.run_rule("forbidden", {"corotet/detail/core/a.hpp": "int x;\n" + code + "\n"})
             self.assertEqual(len(found), 1, (code, found))
@@ -80,6 +83,9 @@ static_assert(true); trap_on_assert(); at(i); std::snprintf(b, n, f); retry(); o
 (std::max)(1, 2); (std::numeric_limits<int>::min)(); cwiseMin(x); lane_abs(x); nearest(); int max = 1; Result<void> check_it();
 """
         self.assertEqual(self.run_rule("forbidden", {"corotet/detail/core/a.hpp": code}), [])
+
+    def test_files_and_pictures_may_hold_what_c_libraries_round(self):
+        self.assertEqual(self.run_rule("forbidden", {"corotet/detail/mesh/io/a.hpp": "std::hypot(x, y);\n"}), [])
 
     def test_the_headers_that_put_macros_aside_may(self):
         self.assertEqual(self.run_rule("forbidden", {"corotet/detail/core/macros_off.hpp": "#undef near\n"}), [])

@@ -28,7 +28,14 @@ class Hash {
     for (const unsigned char byte : std::bit_cast<std::array<unsigned char, sizeof(Number)>>(number))
       value_ = (value_ ^ byte) * 0x100000001b3u;
   }
-  [[nodiscard]] unsigned long long value() const { return value_; }
+  template <class Vectors>
+  void add_all(const Vectors& vectors) {
+    for (const auto& v : vectors)
+      for (int i = 0; i < 3; ++i) add(v[i]);
+  }
+  void print(const char* name, double number) const {
+    std::printf("%s %016llx %.9g\n", name, static_cast<unsigned long long>(value_), number);
+  }
 
  private:
   std::uint64_t value_ = 0xcbf29ce484222325u;
@@ -50,12 +57,11 @@ bool swing(const char* name) {
   bool ok = true;
   for (int frame = 0; frame < 60; ++frame) {
     ok = euler.step(*body, 1.0f / 60).ok() && ok;
-    for (const Vec3<float>& u : body->displacements())
-      for (int i = 0; i < 3; ++i) hash.add(u[i]);
+    hash.add_all(body->displacements());
     const float height = body->displacements()[at(tip)].z();
     if (height < deepest) deepest = height;
   }
-  std::printf("%s %016llx %.9g\n", name, hash.value(), static_cast<double>(deepest));
+  hash.print(name, static_cast<double>(deepest));
   return ok;
 }
 
@@ -80,17 +86,19 @@ bool spin() {
     velocity.push_back(Vec3<double>(1, -2, 3).cross(x) + Vec3<double>(0, 0, 4 * x.x() * x.x()));
   if (!body->set_velocities(velocity)) return false;
   Bdf2 bdf2(*body);
-  Hash hash;
+  Hash of_displacements, of_velocities, of_normals;
   bool ok = true;
   std::vector<Vec3<double>> normals(at(surface->vertex_count()));
   for (int frame = 0; frame < 60; ++frame) {
     ok = bdf2.step(*body, 1.0 / 60).accepted() && ok;
     surface->normals(body->displacements(), normals);
-    for (const Field<double>* field : {&body->displacements(), static_cast<const Field<double>*>(&normals)})
-      for (const Vec3<double>& u : *field)
-        for (int i = 0; i < 3; ++i) hash.add(u[i]);
+    of_displacements.add_all(body->displacements());
+    of_velocities.add_all(body->velocities());
+    of_normals.add_all(normals);
   }
-  std::printf("spin %016llx %.9g\n", hash.value(), body->displacements().front().z());
+  of_displacements.print("spin", body->displacements().front().z());
+  of_velocities.print("spin_velocities", body->velocities().front().z());
+  of_normals.print("spin_normals", normals.front().z());
   return ok;
 }
 
@@ -122,9 +130,8 @@ bool read_text() {
     return false;
   }
   Hash hash;
-  for (const Vec3<double>& x : mesh->positions)
-    for (int i = 0; i < 3; ++i) hash.add(x[i]);
-  std::printf("text %016llx 0\n", hash.value());
+  hash.add_all(mesh->positions);
+  hash.print("text", 0);
   return mesh->positions.size() == 4 &&
          !read_medit("MeshVersionFormatted 2\nDimension 3\nVertices 1\n0x1 0 0 1\n", "text");
 }

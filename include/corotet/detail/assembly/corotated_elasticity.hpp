@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <concepts>
 #include <corotet/detail/assembly/block_matrix.hpp>
 #include <corotet/detail/assembly/deformation_extremes.hpp>
@@ -16,6 +15,7 @@
 #include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/executor.hpp>
 #include <corotet/detail/core/ordered_sum.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/element/element_batch.hpp>
 #include <corotet/detail/material/corotated.hpp>
@@ -76,7 +76,8 @@ class CorotatedElasticity {
       if (common_lame_ratio_ != ratio) common_lame_ratio_.reset();
       batch.lame_ratio.set(l, ratio);
       for (auto& point : batch.point)
-        point.sqrt_mu_volume.set(l, static_cast<Scalar>(std::sqrt(mu * static_cast<double>(point.volume[l]))));
+        point.sqrt_mu_volume.set(l,
+                                 static_cast<Scalar>(detail::square_root(mu * static_cast<double>(point.volume[l]))));
     }
     if (mean_.on()) mean_.update_weights(batches_);
   }

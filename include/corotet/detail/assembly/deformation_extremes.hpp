@@ -2,9 +2,9 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <corotet/detail/core/elementary.hpp>
 #include <corotet/detail/core/lanes.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/material/strain.hpp>
 
@@ -25,12 +25,12 @@ struct DeformationExtremes {
     energy += other.energy;
   }
 
-  [[nodiscard]] double max_strain() const { return std::sqrt(max_strain2); }
+  [[nodiscard]] double max_strain() const { return detail::square_root(max_strain2); }
 
   /// Angle of the element rotation farthest from the identity, rad, 0 ... pi.
   [[nodiscard]] double max_rotation() const {
     const double cosine = std::clamp((min_rotation_trace - 1) / 2, -1.0, 1.0);
-    return detail::arc_tangent(std::sqrt(1 - cosine * cosine), cosine);
+    return detail::arc_tangent(detail::square_root(1 - cosine * cosine), cosine);
   }
 };
 

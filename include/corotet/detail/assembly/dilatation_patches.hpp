@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <corotet/detail/assembly/block_pattern.hpp>
+#include <corotet/detail/core/elementary.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/element/reference_element.hpp>
 #include <corotet/detail/mesh/boundary.hpp>
@@ -109,13 +111,21 @@ class PatchGrower {
     }
   }
 
+  /// The whole number nearest to 8 log2(x), x > 0: the power of two in sqrt(2) x^8, which no C library rounds.
+  [[nodiscard]] static int eighths_of_octaves(double x) {
+    int octaves = 0, eighths = 0;
+    const double m = std::frexp(x, &octaves), m2 = m * m, m4 = m2 * m2;
+    std::frexp(square_root(2.0) * m4 * m4, &eighths);
+    return 8 * octaves + eighths - 1;
+  }
+
   /// Elements by falling volume, in classes of an eighth of an octave so that equals stay in their order.
   [[nodiscard]] std::vector<Index> seeds() const {
     const double largest = *std::max_element(volume_.begin(), volume_.end());
-    std::vector<std::pair<long, Index>> order;
+    std::vector<std::pair<int, Index>> order;
     order.reserve(volume_.size());
     for (std::size_t e = 0; e < volume_.size(); ++e)
-      order.emplace_back(std::lround(8 * std::log2(largest / volume_[e])), static_cast<Index>(e));
+      order.emplace_back(eighths_of_octaves(largest / volume_[e]), static_cast<Index>(e));
     std::sort(order.begin(), order.end());
     std::vector<Index> seeds;
     seeds.reserve(order.size());
@@ -155,8 +165,8 @@ class PatchGrower {
       if (vertices > max_vertices_grown) continue;
       // Compactness is .21 for a cube and less for any polyhedron with fewer faces: a vertex spared outweighs it.
       const double spared = vertices == patch.vertices.size() ? 1 : 0;
-      const double compactness = std::cbrt(std::pow(patch.volume + volume_[at(c.index)], 2)) /
-                                 (patch.surface + surface(c.index) - 2 * c.shared);
+      const double volume = patch.volume + volume_[at(c.index)];
+      const double compactness = cube_root(volume * volume) / (patch.surface + surface(c.index) - 2 * c.shared);
       if (spared + compactness <= best_score * clearly) continue;
       best_score = spared + compactness;
       best = c;

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <concepts>
 #include <corotet/detail/assembly/deformation_extremes.hpp>
 #include <corotet/detail/assembly/element_rotations.hpp>
 #include <corotet/detail/core/assert.hpp>
 #include <corotet/detail/core/executor.hpp>
 #include <corotet/detail/core/lanes.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/material/strain.hpp>
 #include <cstddef>
@@ -42,7 +42,7 @@ struct ElementMeasures {
 template <std::floating_point Scalar>
 [[nodiscard]] Scalar von_mises_stress(const Mat3<Scalar>& s) {
   const Mat3<Scalar> deviator = s - s.trace() / 3 * Mat3<Scalar>::Identity();
-  return std::sqrt(Scalar(1.5)) * deviator.norm();
+  return detail::square_root(Scalar(1.5)) * deviator.norm();
 }
 
 namespace detail {

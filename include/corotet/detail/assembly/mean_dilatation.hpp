@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <corotet/detail/assembly/block_pattern.hpp>
 #include <corotet/detail/assembly/dilatation_patches.hpp>
 #include <corotet/detail/assembly/elastic_evaluation.hpp>
@@ -11,6 +10,7 @@
 #include <corotet/detail/core/executor.hpp>
 #include <corotet/detail/core/memory_use.hpp>
 #include <corotet/detail/core/ordered_sum.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/element/element_batch.hpp>
 #include <corotet/detail/material/strain.hpp>
@@ -92,7 +92,7 @@ class MeanDilatation {
           }
         };
         for_each([&](Weight&, double m, double root) { sum += m * root * root; });
-        const double scale = sum > 0 ? 1 / std::sqrt(sum) : 0;
+        const double scale = sum > 0 ? 1 / detail::square_root(sum) : 0;
         for_each([&](Weight& weight, double m, double root) {
           weight = {static_cast<Scalar>(m * root * scale), static_cast<Scalar>(m * root * root * scale),
                     static_cast<Scalar>(m)};

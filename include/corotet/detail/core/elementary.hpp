@@ -1,8 +1,9 @@
-// Sine, cosine and the exponential by arithmetic alone: the same bits with every C library, which std::sin and the like
-// are not.
+// Sine, cosine, the exponential and the cube root by arithmetic alone: the same bits with every C library, which
+// std::sin and the like are not.
 #pragma once
 
 #include <cmath>
+#include <corotet/detail/core/square_root.hpp>
 #include <utility>
 
 namespace corotet::inline v0_1::detail {
@@ -43,7 +44,7 @@ namespace corotet::inline v0_1::detail {
   const bool steep = y > std::fabs(x);
   double t = steep ? std::fabs(x) / y : y / std::fabs(x);
   constexpr int halvings = 3;
-  for (int k = 0; k < halvings; ++k) t = t / (1 + std::sqrt(1 + t * t));
+  for (int k = 0; k < halvings; ++k) t = t / (1 + square_root(1 + t * t));
   double series = 0;
   for (int n = 21; n >= 1; n -= 2) series = 1.0 / n - t * t * series;
   const double angle = (1 << halvings) * t * series;
@@ -63,6 +64,20 @@ namespace corotet::inline v0_1::detail {
   for (int n = 14; n >= 1; --n) e = 1 + x / n * e;
   for (; halvings > 0; --halvings) e *= e;
   return e;
+}
+
+/// The cube root of x >= 0, to 1e-15 of it: Halley's method on x without a power of eight.
+[[nodiscard]] inline double cube_root(double x) {
+  if (!(x > 0) || !std::isfinite(x)) return x;
+  int exponent = 0;
+  std::frexp(x, &exponent);
+  const double m = std::ldexp(x, -(exponent / 3 * 3));  // 1/8 <= m < 4
+  double root = 1;
+  for (int k = 0; k < 5; ++k) {
+    const double cube = root * root * root;
+    root *= (cube + 2 * m) / (2 * cube + m);
+  }
+  return std::ldexp(root, exponent / 3);
 }
 
 /// x - log(1 + x), to 1e-15 of it, for x > -1: by the series of the inverse hyperbolic tangent of x / (2 + x), or of

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <concepts>
 #include <corotet/detail/core/simd_pack.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <cstddef>
 #include <cstring>
@@ -108,7 +108,7 @@ class alignas(64) Lanes {
   friend COROTET_ALWAYS_INLINE Lanes lane_abs(const Lanes& a) { return select(a < Lanes(0), -a, a); }
   friend Lanes sqrt(const Lanes& a) {
     Numbers root = a.values();
-    for (Scalar& x : root) x = std::sqrt(x);
+    detail::take_square_roots(root);
     return Lanes(std::bit_cast<Pack>(root));
   }
 

@@ -5,6 +5,7 @@
 #include <concepts>
 #include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/exactly.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <cstddef>
 
 namespace corotet::inline v0_1 {
@@ -246,7 +247,7 @@ struct Matrix {
   }
   [[nodiscard]] COROTET_ALWAYS_INLINE constexpr T squaredNorm() const { return dot(*this); }
   /// Euclidean, of a matrix that of Frobenius.
-  [[nodiscard]] T norm() const { return std::sqrt(squaredNorm()); }
+  [[nodiscard]] T norm() const { return detail::square_root(squaredNorm()); }
   /// The same for numbers whose squares leave the range of T.
   [[nodiscard]] T stableNorm() const {
     const T largest = cwiseAbs().maxCoeff();

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <corotet/detail/core/buffer.hpp>
 #include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/exactly.hpp>
@@ -10,6 +9,7 @@
 #include <corotet/detail/core/instances.hpp>
 #include <corotet/detail/core/memory_use.hpp>
 #include <corotet/detail/core/revision.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/state_archive.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/dynamics/integrator.hpp>
@@ -141,11 +141,11 @@ class Bdf2Scheme {
     });
     const auto spread = [&](std::size_t square, std::size_t first) {  // about the mean
       const auto sum = Vec3<double>::load(&sums[first]);
-      return std::sqrt((std::max)(0.0, sums[square] - sum.squaredNorm() / body.vertex_count()));
+      return detail::square_root((std::max)(0.0, sums[square] - sum.squaredNorm() / body.vertex_count()));
     };
     // Velocities are known to the rounding of positions over the last step: a body that only flies has no spread.
-    const double rounding = 2 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) * std::sqrt(sums[8]) /
-                            static_cast<double>(last_h_);
+    const double rounding = 2 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) *
+                            detail::square_root(sums[8]) / static_cast<double>(last_h_);
     const double before = spread(0, 2), change = (std::max)(0.0, spread(1, 5) - rounding);
     if (detail::is_zero(change)) return h;
     return h * static_cast<Scalar>(before > 0 ? std::clamp(2 - 2 * change / before, 0.0, 1.0) : 0.0);

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <corotet/detail/core/buffer.hpp>
 #include <corotet/detail/core/executor.hpp>
 #include <corotet/detail/core/memory_use.hpp>
 #include <corotet/detail/core/revision.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/state_archive.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/dynamics/linearized_step.hpp>
@@ -110,7 +110,8 @@ class EnergyBound {
   /// What rounding may add to an elastic energy, J: relative to itself, and by the forces on positions that are rounded
   /// at random, sqrt(J) in all.
   [[nodiscard]] double noise(double energy, double position_rounding) const {
-    return rounding * energy + position_rounding * (std::sqrt(2 * energy / vertices_) + position_rounding / vertices_);
+    return rounding * energy +
+           position_rounding * (detail::square_root(2 * energy / vertices_) + position_rounding / vertices_);
   }
 
   [[nodiscard]] MemoryUse memory() const { return MemoryUse{bytes_of(scratch_), 0} + sums_.memory(); }

@@ -11,6 +11,7 @@
 #include <corotet/detail/core/executor.hpp>
 #include <corotet/detail/core/memory_use.hpp>
 #include <corotet/detail/core/revision.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/state_archive.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/dynamics/lag_key.hpp>
@@ -221,7 +222,7 @@ class LinearizedStep {
 
   /// |right_side| in the norm of the inverse of the matrix's diagonal, which may be negative: Tangent::consistent.
   [[nodiscard]] double right_side_norm(ExecutorRef executor) {
-    return std::sqrt(sums_(executor, [&](Index begin, Index end) {
+    return detail::square_root(sums_(executor, [&](Index begin, Index end) {
       double sum = 0;
       for (Index i = begin; i < end; ++i)
         sum += right_side_[at(i)].template cast<double>().squaredNorm() /  // whose range float would leave
@@ -240,7 +241,7 @@ class LinearizedStep {
       }
       return Sums{part, 0};
     })[0];
-    return 4 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) / double(gamma) * std::sqrt(sum);
+    return 4 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) / double(gamma) * detail::square_root(sum);
   }
 
   /// Elastic and of all terms on a vertex, at the evaluated state, N.

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/executor.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/dynamics/integrator.hpp>
 #include <corotet/detail/dynamics/static_report.hpp>
@@ -57,7 +57,7 @@ template <class Body>
   for (Index v = 0; v < body.vertex_count(); ++v)
     sum +=
         (body.external_forces()[at(v)] + body.mass().row_sum(v) * body.gravity()).template cast<double>().squaredNorm();
-  return std::sqrt(sum);
+  return square_root(sum);
 }
 
 }  // namespace detail
@@ -86,7 +86,7 @@ COROTET_COLD StaticReport solve_static(Body& body, const StaticOptions& options 
   const double epsilon = static_cast<double>(std::numeric_limits<Scalar>::epsilon());
   // What holds a body that has no pins is its mass: the matrix of longer steps would be singular but for rounding.
   const double shortest = body.wave_transit_time();
-  double longest = shortest * (body.pins().vertices().empty() ? 0.25 / std::sqrt(epsilon) : 1e6);
+  double longest = shortest * (body.pins().vertices().empty() ? 0.25 / detail::square_root(epsilon) : 1e6);
   const double tiny2 = epsilon * size2;  // corrections of the longest steps that are as small may be rounding
   StaticReport report;
   double scale = detail::load_of(body), last_moved2 = std::numeric_limits<double>::infinity();
@@ -101,7 +101,7 @@ COROTET_COLD StaticReport solve_static(Body& body, const StaticOptions& options 
     ++report.steps;
     report.newton_iterations += report.last.newton_iterations;
     report.iterations += report.last.iterations;
-    const double left = std::sqrt(integrator.unbalanced_force2(body));
+    const double left = detail::square_root(integrator.unbalanced_force2(body));
     scale = (std::max)(scale, left);
     report.residual = scale > 0 ? left / scale : 0;
     double moved2 = 0;

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <corotet/detail/core/elementary.hpp>
 #include <corotet/detail/core/exactly.hpp>
 #include <corotet/detail/core/executor.hpp>
 #include <corotet/detail/core/memory_use.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/dynamics/term_sum.hpp>
 #include <corotet/detail/dynamics/time_step.hpp>
@@ -60,7 +60,7 @@ class TurningFrame {
     const Vec3<double> w = turn_rate_ = angular_velocity(before_.second, before_.momentum);
     turn_ = double(h) * w;
     const Mat3<double> coriolis = rotation_by(-2 * turn_);
-    const double g = double(h) / std::sqrt(1 + turn_.squaredNorm());
+    const double g = double(h) / detail::square_root(1 + turn_.squaredNorm());
     const auto x = placed(body, body.displacements());
     const auto v = relative(body.velocities());
     const Vec3<double> flight = body.velocities()[0].template cast<double>() + before_.velocity;
@@ -139,7 +139,7 @@ class TurningFrame {
     const double damping = h * mass_damping;
     const double decay = step.is_first_order() ? 1 / (1 + damping) : detail::exponential(-damping);
     const Vec3<double> midway = before_.centre + h / 2 * before_.velocity;
-    goal_ = decay * before_.momentum + h * std::sqrt(decay) * (sum.col(7) - midway.cross(sum.col(6)));
+    goal_ = decay * before_.momentum + h * detail::square_root(decay) * (sum.col(7) - midway.cross(sum.col(6)));
     turn_rate_.setZero();
     turn_.setZero();
     // Where the centre of mass would be without forces: about that the frame turns.

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <corotet/detail/core/compiler.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/element/element_batch.hpp>
 #include <corotet/detail/element/jacobian.hpp>
@@ -43,7 +43,7 @@ template <std::floating_point Scalar, ReferenceElement Element>
     const Material& m = materials.of_element(at(e));
     least = (std::min)(least, m.density / m.young);
   }
-  return hydraulic_diameter * std::sqrt(least);
+  return hydraulic_diameter * detail::square_root(least);
 }
 
 }  // namespace corotet::inline v0_1

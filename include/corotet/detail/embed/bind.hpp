@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <concepts>
 #include <corotet/detail/core/executor.hpp>
 #include <corotet/detail/core/number_text.hpp>
 #include <corotet/detail/core/result.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/embed/element_map.hpp>
 #include <corotet/detail/mesh/box_tree.hpp>
@@ -96,7 +96,7 @@ BoundPoint nearest_point(const BoxTree& tree, double rounding, const Vec3<double
     });
     bound.element = found.primitive;
     bound.visited += found.visited;
-    bound.distance = std::sqrt(found.squared_distance);
+    bound.distance = square_root(found.squared_distance);
   };
   search(false);
   // One start for each element finds nearly every point that is inside; only the others are worth several.

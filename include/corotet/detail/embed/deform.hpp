@@ -2,7 +2,7 @@
 #pragma once
 
 #include <array>
-#include <cmath>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/embed/bind.hpp>
 #include <corotet/detail/embed/body_point.hpp>
@@ -117,7 +117,7 @@ Wide<Scalar> unit_normal(const Wide<Scalar>& cof_m, Scalar min_squared, const Ve
                          const CarrierElement<Scalar, Element>& carrier) {
   const Scalar squared = cof_m.squaredNorm();
   if (squared > min_squared && squared <= (std::numeric_limits<Scalar>::max)()) [[likely]]
-    return cof_m * (Scalar(1) / std::sqrt(squared));
+    return cof_m * (Scalar(1) / square_root(squared));
   const Mat3<Scalar> rest = carrier.rest.gradient(xi) / carrier.size;
   return widen<Scalar>((cofactor(rest) * m).stableNormalized());
 }

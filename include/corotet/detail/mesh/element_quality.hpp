@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <corotet/detail/core/elementary.hpp>
 #include <corotet/detail/core/exactly.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/element/jacobian.hpp>
 #include <corotet/detail/element/reference_element.hpp>
@@ -117,7 +119,8 @@ template <TetrahedralElement Element>
     squared_areas += normals[f].squaredNorm() / 4;
     areas += normals[f].norm() / 2;
   }
-  if (squared_areas > 0) quality.shape = detail::regular_shape * six_volumes / 6 / std::pow(squared_areas, 0.75);
+  const double area = detail::square_root(squared_areas);
+  if (area > 0) quality.shape = detail::regular_shape * six_volumes / 6 / (area * detail::square_root(area));
 
   constexpr double degrees = 180 / std::numbers::pi;
   for (std::size_t e = 0; e < 6; ++e) {
@@ -129,7 +132,7 @@ template <TetrahedralElement Element>
       if (f != p && f != q) faces[n++] = f;
     const Vec3<double>&m = normals[faces[0]], &n = normals[faces[1]];
     if (m.squaredNorm() > 0 && n.squaredNorm() > 0)
-      quality.dihedrals[e] = degrees * std::atan2(std::fabs(six_volumes) * (x[q] - x[p]).norm(), -m.dot(n));
+      quality.dihedrals[e] = degrees * detail::arc_tangent(std::fabs(six_volumes) * (x[q] - x[p]).norm(), -m.dot(n));
   }
   quality.min_dihedral = *std::min_element(quality.dihedrals.begin(), quality.dihedrals.end());
   quality.max_dihedral = *std::max_element(quality.dihedrals.begin(), quality.dihedrals.end());

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/rotation/quaternion.hpp>
 #include <limits>
@@ -28,9 +29,9 @@ template <std::floating_point Scalar>
         rotated = true;
         // tan of the smaller of the two angles that make k(p, q) zero.
         const Scalar cotangent = (k(q, q) - k(p, p)) / (2 * k(p, q));
-        const Scalar t =
-            std::copysign(Scalar(1), cotangent) / (std::fabs(cotangent) + std::sqrt(cotangent * cotangent + Scalar(1)));
-        const Scalar c = 1 / std::sqrt(t * t + Scalar(1)), s = t * c;
+        const Scalar t = std::copysign(Scalar(1), cotangent) /
+                         (std::fabs(cotangent) + square_root(cotangent * cotangent + Scalar(1)));
+        const Scalar c = 1 / square_root(t * t + Scalar(1)), s = t * c;
         for (int i = 0; i < 4; ++i) {
           const Scalar x = k(i, p), y = k(i, q);
           k(i, p) = c * x - s * y;

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/executor.hpp>
 #include <corotet/detail/core/memory_use.hpp>
 #include <corotet/detail/core/register.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/state_archive.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/solve/deterministic_reduction.hpp>
@@ -110,7 +110,7 @@ class InitialGuess {
         y[k] = 0;
         continue;
       }
-      l[k][k] = std::sqrt(rest);
+      l[k][k] = detail::square_root(rest);
       y[k] /= l[k][k];
       c.energy += y[k] * y[k];
     }

@@ -9,6 +9,7 @@
 #include <corotet/detail/core/executor.hpp>
 #include <corotet/detail/core/memory_use.hpp>
 #include <corotet/detail/core/register.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/state_archive.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/solve/deterministic_reduction.hpp>
@@ -96,7 +97,7 @@ class Pcg {
       report.residual = 1;
       return report;
     }
-    report.residual = energy > 0 ? std::sqrt(std::fabs(error2) / energy) : 0;
+    report.residual = energy > 0 ? detail::square_root(std::fabs(error2) / energy) : 0;
     for_ranges(executor, size_of(x), DeterministicSum::grain, [&](Index begin, Index end) {
       for (Index v = begin; v < end; ++v) x[at(v)] = x_[at(v)].vector();
     });

@@ -6,6 +6,7 @@
 #include <corotet/detail/core/exactly.hpp>
 #include <corotet/detail/core/executor.hpp>
 #include <corotet/detail/core/memory_use.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/solve/deterministic_reduction.hpp>
 #include <corotet/detail/solve/solver.hpp>
@@ -36,8 +37,8 @@ class Refinement {
       for (std::size_t i = 0; i < x.size(); ++i) x[i] += correction_[i];
       matrix.apply(x, residual_, executor);
       for (std::size_t i = 0; i < b.size(); ++i) residual_[i] = b[i] - residual_[i];
-      report.residual =
-          std::sqrt(sum_(executor, [&](Index i, Index j) { return range_dot(residual_, residual_, i, j); }) / size);
+      report.residual = detail::square_root(
+          sum_(executor, [&](Index i, Index j) { return range_dot(residual_, residual_, i, j); }) / size);
       if (!std::isfinite(report.residual)) return {SolveStatus::breakdown, report.iterations, 1.0};
       if (report.residual <= tolerance) return report;
       if (report.iterations == max_corrections) {

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <corotet/detail/core/buffer.hpp>
 #include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/memory_use.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 
 namespace corotet::inline v0_1 {
@@ -57,7 +57,7 @@ struct RigidFrames {
     // On a line S has one eigenvalue, and |S| is its trace; otherwise |S| <= (1 - e) trace, e the share of the others.
     const double trace = second_moment.trace();
     const bool turns = free_points >= 3 && second_moment.norm() < 0.999 * trace;
-    inverse_size[at(aggregate)] = turns ? static_cast<Scalar>(1 / std::sqrt(trace / free_points)) : Scalar(0);
+    inverse_size[at(aggregate)] = turns ? static_cast<Scalar>(1 / detail::square_root(trace / free_points)) : Scalar(0);
   }
 };
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <concepts>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 
 namespace corotet::inline v0_1 {
@@ -16,7 +17,7 @@ template <std::floating_point Scalar, int B>
     Scalar pivot = a(j, j);
     for (int k = 0; k < j; ++k) pivot -= a(j, k) * a(j, k);
     if (!(pivot > 0) || !std::isfinite(pivot)) return false;
-    a(j, j) = std::sqrt(pivot);
+    a(j, j) = detail::square_root(pivot);
     for (int i = j + 1; i < B; ++i) {
       for (int k = 0; k < j; ++k) a(i, j) -= a(i, k) * a(j, k);
       a(i, j) /= a(j, j);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <corotet/detail/core/exactly.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/mesh/stuffing/lattice.hpp>
 #include <cstdint>
@@ -93,7 +94,7 @@ CutLattice cut_and_warp(const BccLattice& lattice, const Function& f, const std:
       const CutLattice::Cut& cut = out.cuts[at(uses[end].second)];
       const bool is_long = lattice.is_long(cut.ends.first, cut.ends.second);
       const double fraction = cut.ends.first == v ? cut.along : 1 - cut.along;
-      const double length = fraction * (is_long ? 1 : std::sqrt(0.75));  // in cubes
+      const double length = fraction * (is_long ? 1 : square_root(0.75));  // in cubes
       if (!cut.alive || fraction >= (is_long ? warp_long : warp_short)) continue;
       if (nearest != none && length >= least) continue;
       nearest = uses[end].second;

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <corotet/detail/core/assert.hpp>
 #include <corotet/detail/core/exactly.hpp>
 #include <corotet/detail/core/result.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/mesh/box_tree.hpp>
 #include <corotet/detail/mesh/check_connectivity.hpp>
@@ -66,7 +66,7 @@ class SignedDistance {
       if (q.squared_distance < nearest_or_infinite(nearest)) nearest = q;
       return q.squared_distance;
     });
-    const double distance = std::sqrt(found.squared_distance);
+    const double distance = detail::square_root(found.squared_distance);
     return turn_ * (p - nearest.point).dot(pseudonormal(found.primitive, nearest)) < 0 ? -distance : distance;
   }
 
