@@ -1,8 +1,8 @@
 """What Doxygen reads instead of a header: doxygen_filter.py HEADER prints it, line for line.
 
 All that a header declares joins the group of the face header that includes it by name: group_<its stem>. Doxygen 1.9
-does not parse `namespace corotet::inline v0_1`, attributes that are macros and digit separators. Definitions below a
-class, and deduction guides, would be listed beside it: they are left out.
+does not parse `namespace corotet::inline v0_1`, attributes that are macros and digit separators, and would list inline
+namespaces. Definitions below a class, and deduction guides, would be listed beside it: they are left out.
 """
 import re
 import sys
@@ -18,6 +18,8 @@ opening, closing = "namespace corotet {", "}"
 if group:
     opening += f" /** @addtogroup group_{group} */ /** @{{ */"
     closing = "/** @} */ }"
+isa = "::inline COROTET_ISA"
+text = text.replace(isa, "").replace("inline namespace COROTET_ISA {", "").replace("}  // namespace COROTET_ISA", "")
 text = text.replace("namespace corotet::inline v0_1 {", opening)
 text = text.replace("namespace corotet::inline v0_1::detail {", "namespace corotet::detail {")
 text = re.sub(r"^\}  // namespace corotet::inline v0_1$", closing, text, flags=re.MULTILINE)

@@ -59,9 +59,10 @@ struct BlockPattern {
   [[nodiscard]] Index blocks() const { return size_of(column); }
 
   [[nodiscard]] std::size_t bytes() const {
-    return bytes_of(row_start) + bytes_of(column) + bytes_of(diagonal) + bytes_of(upper) +
-           bytes_of(contribution_start) + bytes_of(contribution) + bytes_of(stencil_contribution_start) +
-           bytes_of(stencil_contribution) + bytes_of(incidence_start) + bytes_of(incidence);
+    return detail::bytes_of(row_start) + detail::bytes_of(column) + detail::bytes_of(diagonal) +
+           detail::bytes_of(upper) + detail::bytes_of(contribution_start) + detail::bytes_of(contribution) +
+           detail::bytes_of(stencil_contribution_start) + detail::bytes_of(stencil_contribution) +
+           detail::bytes_of(incidence_start) + detail::bytes_of(incidence);
   }
 
   /// The slot of block (row, col), which must be there.

@@ -27,6 +27,6 @@ struct ElasticityOf<Scalar, Element, Corotated<Rotation>> {
 /// A model, or a rotation law for the corotated model with it, on the elements of a mesh: CorotatedElasticity for
 /// Corotated, PointwiseElasticity for every other ElasticModel. Both offer the same to a step.
 template <std::floating_point Scalar, ReferenceElement Element = Tet4, ElasticLaw Law = Polar>
-using Elasticity = typename detail::ElasticityOf<Scalar, Element, ElasticModelOf<Law>>::Type;
+using Elasticity = typename detail::ElasticityOf<Scalar, Element, detail::ElasticModelOf<Law>>::Type;
 
 }  // namespace corotet::inline v0_1

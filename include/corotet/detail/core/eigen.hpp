@@ -37,7 +37,7 @@ template <std::floating_point Scalar, int R, int C>
   return Eigen::Map<const Eigen::Matrix<Scalar, R, C>>(m.data());
 }
 template <std::floating_point Scalar, int R, int C>
-[[nodiscard]] Eigen::Map<Eigen::Matrix<Scalar, R, C>> as_eigen(const MatrixView<Scalar, R, C>& m) {
+[[nodiscard]] Eigen::Map<Eigen::Matrix<Scalar, R, C>> as_eigen(const detail::MatrixView<Scalar, R, C>& m) {
   return Eigen::Map<Eigen::Matrix<Scalar, R, C>>(&m(0, 0));
 }
 

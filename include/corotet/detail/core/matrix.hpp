@@ -372,6 +372,8 @@ template <class T, int R, int K, int C>
   return ab;
 }
 
+namespace detail {
+
 /// R x C numbers that lie in a larger array, by columns: a matrix to write to.
 template <std::floating_point T, int R, int C>
 class MatrixView {
@@ -403,6 +405,8 @@ class MatrixView {
  private:
   T* numbers_;
 };
+
+}  // namespace detail
 
 // NOLINTEND(readability-identifier-naming)
 

@@ -17,9 +17,13 @@ struct MemoryUse {
   MemoryUse& operator+=(const MemoryUse& other) { return *this = *this + other; }
 };
 
+namespace detail {
+
 template <class T>
 [[nodiscard]] std::size_t bytes_of(const std::vector<T>& array) {
   return array.capacity() * sizeof(T);
 }
+
+}  // namespace detail
 
 }  // namespace corotet::inline v0_1

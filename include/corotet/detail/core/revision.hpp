@@ -15,10 +15,14 @@ struct Revision {
   friend bool operator==(const Revision&, const Revision&) = default;
 };
 
+namespace detail {
+
 /// Another at every call, on any thread, in any shared library.
 [[nodiscard]] inline Revision new_revision() {
   static std::atomic<std::uint64_t> last{0};
   return {&last, last.fetch_add(1, std::memory_order_relaxed) + 1};
 }
+
+}  // namespace detail
 
 }  // namespace corotet::inline v0_1

@@ -87,7 +87,7 @@ class BodyModel {
   Mass<Scalar> mass_;
   double hydraulic_diameter_, wave_transit_time_;
   std::uint64_t fingerprint_ = 0;
-  Revision revision_ = new_revision();
+  Revision revision_ = detail::new_revision();
 };
 
 // Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
@@ -100,8 +100,8 @@ BodyModel<Scalar, Element, LawType>::BodyModel(Mesh mesh, const Materials& mater
       pattern_(std::make_shared<const BlockPattern>(
           BlockPattern::of(mesh_->elements(), mesh_->vertex_count(), law_.stencils(), options.couplings))),
       mass_(*mesh_, materials, options.mass, *pattern_),
-      hydraulic_diameter_(hydraulic_diameter(*mesh_)),
-      wave_transit_time_(corotet::wave_transit_time(hydraulic_diameter_, materials, mesh_->element_count())) {
+      hydraulic_diameter_(detail::hydraulic_diameter(*mesh_)),
+      wave_transit_time_(corotet::detail::wave_transit_time(hydraulic_diameter_, materials, mesh_->element_count())) {
   set_fingerprint();
 }
 
@@ -161,9 +161,10 @@ Result<std::shared_ptr<const BodyModel<Scalar, Element, LawType>>> BodyModel<Sca
   model->materials_ = materials;
   model->law_.set_materials(materials);
   model->mass_ = Mass<Scalar>(*mesh_, materials, options_.mass, *pattern_);
-  model->wave_transit_time_ = corotet::wave_transit_time(hydraulic_diameter_, materials, mesh_->element_count());
+  model->wave_transit_time_ =
+      corotet::detail::wave_transit_time(hydraulic_diameter_, materials, mesh_->element_count());
   model->set_fingerprint();
-  model->revision_ = new_revision();
+  model->revision_ = detail::new_revision();
   return owner;
 }
 

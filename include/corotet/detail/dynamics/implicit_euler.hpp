@@ -35,7 +35,7 @@ template <class Body, class Solver = AutoSolver<typename Body::scalar_type>>
 class ImplicitEuler {
  public:
   using Scalar = typename Body::scalar_type;
-  using Implementation = Integrator<Body, BackwardEulerScheme<Body>, Solver>;
+  using Implementation = Integrator<Body, detail::BackwardEulerScheme<Body>, Solver>;
 
   /// Symbolic work and memory for `body` and its copies.
   explicit ImplicitEuler(const Body& body, const Solver& solver = Solver(), const StepOptions& newton = {});

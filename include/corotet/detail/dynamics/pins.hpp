@@ -45,10 +45,10 @@ class Pins {
       vertices_.push_back(vertex);
       targets_.push_back(displacement);
       axes_.push_back(axes);
-      revision_ = new_revision();
+      revision_ = detail::new_revision();
     }
     const std::size_t slot = at(slot_[at(vertex)]);
-    if (!(axes_[slot] == axes)) revision_ = new_revision();
+    if (!(axes_[slot] == axes)) revision_ = detail::new_revision();
     axes_[slot] = axes;
     targets_[slot] = displacement;
   }
@@ -71,7 +71,7 @@ class Pins {
     vertices_.pop_back();
     targets_.pop_back();
     axes_.pop_back();
-    revision_ = new_revision();
+    revision_ = detail::new_revision();
   }
 
   /// Adds `shift` to all targets: for a body whose origin moves.
@@ -105,7 +105,7 @@ class Pins {
   [[nodiscard]] Revision revision() const { return revision_; }
 
   [[nodiscard]] std::size_t bytes() const {
-    return bytes_of(slot_) + bytes_of(vertices_) + bytes_of(targets_) + bytes_of(axes_);
+    return detail::bytes_of(slot_) + detail::bytes_of(vertices_) + detail::bytes_of(targets_) + detail::bytes_of(axes_);
   }
 
   /// For snapshots.
@@ -118,7 +118,7 @@ class Pins {
     for (std::size_t slot = 0; slot < vertices_.size(); ++slot)
       if (vertices_[slot] >= 0 && vertices_[slot] < size_of(slot_))
         slot_[at(vertices_[slot])] = static_cast<Index>(slot);
-    revision_ = new_revision();
+    revision_ = detail::new_revision();
   }
 
  private:
@@ -127,7 +127,7 @@ class Pins {
   std::vector<Index> vertices_;
   Field<Scalar> targets_;
   std::vector<PinnedAxes> axes_;
-  Revision revision_ = new_revision();
+  Revision revision_ = detail::new_revision();
 };
 
 }  // namespace corotet::inline v0_1

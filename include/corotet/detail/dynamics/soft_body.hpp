@@ -36,14 +36,14 @@ namespace corotet::inline v0_1 {
 /// wherever the rest configuration lies. The displacement of a body that travels many times its size is large: `rebase`
 /// moves the origin after it.
 template <std::floating_point Scalar, ReferenceElement Element = Tet4, ElasticLaw LawType = Polar>
-class SoftBody : private PointStates<Scalar, ElasticModelOf<LawType>> {
+class SoftBody : private PointStates<Scalar, detail::ElasticModelOf<LawType>> {
  public:
   using scalar_type = Scalar;
   using element_type = Element;
   using Mesh = TetMesh<Scalar, Element>;
   using Law = Elasticity<Scalar, Element, LawType>;
   using Model = BodyModel<Scalar, Element, LawType>;
-  using States = PointStates<Scalar, ElasticModelOf<LawType>>;
+  using States = PointStates<Scalar, detail::ElasticModelOf<LawType>>;
 
   /// A body at rest in its rest shape, free of pins, gravity and forces, of a model of its own. Errors: as
   /// BodyModel::create.
@@ -137,7 +137,8 @@ class SoftBody : private PointStates<Scalar, ElasticModelOf<LawType>> {
 
   /// Bytes of its own state, and of the model that it shares with its copies.
   [[nodiscard]] COROTET_COLD MemoryUse memory() const {
-    return {bytes_of(displacement_) + bytes_of(velocity_) + bytes_of(nodal_force_.force) + pins_.bytes(),
+    return {detail::bytes_of(displacement_) + detail::bytes_of(velocity_) + detail::bytes_of(nodal_force_.force) +
+                pins_.bytes(),
             model_->bytes()};
   }
 
@@ -180,7 +181,7 @@ class SoftBody : private PointStates<Scalar, ElasticModelOf<LawType>> {
   Pins<Scalar> pins_;
   Field<Scalar> displacement_, velocity_;
   Vec3<double> shift_ = Vec3<double>::Zero();  // of the origin, m
-  Revision revision_ = new_revision();
+  Revision revision_ = detail::new_revision();
   Revision motion_revision_ = revision_;
 };
 
@@ -209,7 +210,7 @@ template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawTy
 Result<void> SoftBody<Scalar, Element, LawType>::set_displacements(std::span<const Vec3<Scalar>> displacement) {
   if (Result<void> s = check_field("displacements", displacement); !s) return s;
   displacement_.assign(displacement.begin(), displacement.end());
-  revision_ = motion_revision_ = new_revision();
+  revision_ = motion_revision_ = detail::new_revision();
   return {};
 }
 
@@ -217,7 +218,7 @@ template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawTy
 Result<void> SoftBody<Scalar, Element, LawType>::set_velocities(std::span<const Vec3<Scalar>> velocity) {
   if (Result<void> s = check_field("velocities", velocity); !s) return s;
   velocity_.assign(velocity.begin(), velocity.end());
-  motion_revision_ = new_revision();
+  motion_revision_ = detail::new_revision();
   return {};
 }
 
@@ -240,7 +241,7 @@ Result<void> SoftBody<Scalar, Element, LawType>::set_state(std::span<const Vec3<
   if (Result<void> s = set_velocities(velocity); !s) return s;
   rebase((mean - shift_).template cast<Scalar>());
   for (std::size_t v = 0; v < positions.size(); ++v) displacement_[v] = (moved(v) - shift_).template cast<Scalar>();
-  revision_ = motion_revision_ = new_revision();
+  revision_ = motion_revision_ = detail::new_revision();
   return {};
 }
 
@@ -263,7 +264,7 @@ Result<void> SoftBody<Scalar, Element, LawType>::set_materials(const Materials& 
   auto model = model_->with_materials(materials);
   if (!model) return model.error();
   model_ = *std::move(model);
-  revision_ = new_revision();
+  revision_ = detail::new_revision();
   return {};
 }
 
@@ -272,7 +273,7 @@ void SoftBody<Scalar, Element, LawType>::reset() {
   for (Field<Scalar>* field : {&displacement_, &velocity_})
     for (Vec3<Scalar>& x : *field) x.setZero();
   if constexpr (Law::has_point_states) static_cast<States&>(*this) = law().states_at_rest();
-  revision_ = motion_revision_ = new_revision();
+  revision_ = motion_revision_ = detail::new_revision();
 }
 
 template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
@@ -284,7 +285,7 @@ void SoftBody<Scalar, Element, LawType>::visit_state(detail::StateArchive& archi
   archive(gravity_.acceleration);
   archive(pins_);
   if constexpr (Law::has_point_states) archive(static_cast<States&>(*this));
-  if (archive.reads()) revision_ = motion_revision_ = new_revision();
+  if (archive.reads()) revision_ = motion_revision_ = detail::new_revision();
 }
 
 template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
@@ -293,7 +294,7 @@ void SoftBody<Scalar, Element, LawType>::swap_state(Field<Scalar>& displacement,
                  "the buffers belong to another body");
   displacement_.swap(displacement);
   velocity_.swap(velocity);
-  revision_ = motion_revision_ = new_revision();
+  revision_ = motion_revision_ = detail::new_revision();
 }
 
 template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
@@ -312,7 +313,7 @@ template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawTy
 void SoftBody<Scalar, Element, LawType>::set_point_states(const States& states) {
   COROTET_ASSERT(states.size() == point_states().size(), "the states belong to another body");
   static_cast<States&>(*this) = states;
-  if constexpr (Law::has_point_states) revision_ = new_revision();
+  if constexpr (Law::has_point_states) revision_ = detail::new_revision();
 }
 
 template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>

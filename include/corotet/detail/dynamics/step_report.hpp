@@ -109,6 +109,8 @@ struct StepReport {
   }
 };
 
+namespace detail {
+
 /// The report of two pieces of a body that were stepped at the same time: of counts and residuals the larger, of what
 /// went wrong the first.
 [[nodiscard]] inline StepReport worse_of(const StepReport& a, const StepReport& b) {
@@ -129,5 +131,7 @@ struct StepReport {
   all.steps_tried = (std::max)(a.steps_tried, b.steps_tried);
   return all;
 }
+
+}  // namespace detail
 
 }  // namespace corotet::inline v0_1

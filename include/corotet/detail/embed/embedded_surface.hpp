@@ -52,7 +52,7 @@ class EmbeddedSurface {
   class Scratch {
    public:
     /// Bytes.
-    [[nodiscard]] std::size_t memory() const { return bytes_of(motions_); }
+    [[nodiscard]] std::size_t memory() const { return detail::bytes_of(motions_); }
 
    private:
     friend class EmbeddedSurface;
@@ -148,7 +148,8 @@ class EmbeddedSurface {
     bool has_normals = false;
 
     [[nodiscard]] std::size_t bytes() const {
-      return sizeof(Binding) + bytes_of(vertices) + bytes_of(elements) + bytes_of(outside_vertices);
+      return sizeof(Binding) + detail::bytes_of(vertices) + detail::bytes_of(elements) +
+             detail::bytes_of(outside_vertices);
     }
   };
 
@@ -211,7 +212,7 @@ Result<EmbeddedSurface<Scalar, Element>> EmbeddedSurface<Scalar, Element>::bind(
     ExecutorRef executor) {
   if (Result<void> status = detail::check_surface(mesh, rest_positions, rest_normals); !status) return status.error();
   const Index count = size_of(rest_positions);
-  const BoxTree tree = detail::element_tree(mesh);
+  const detail::BoxTree tree = detail::element_tree(mesh);
   const double rounding = detail::position_rounding<Scalar>(tree.bounds());
   std::vector<detail::BoundPoint> points(at(count));
   for_ranges(executor, count, Index{64}, [&](Index begin, Index end) {

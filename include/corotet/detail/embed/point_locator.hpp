@@ -63,7 +63,7 @@ class PointLocator {
 
   struct Rest {
     Mesh mesh;
-    BoxTree tree;
+    detail::BoxTree tree;
     double rounding;  // of positions, m
 
     explicit Rest(Mesh m)
@@ -111,7 +111,7 @@ class DeformedPointLocator {
   [[nodiscard]] detail::NodePositions<Element> positions_of(Index e) const;
 
   detail::Shared<typename PointLocator<Scalar, Element>::Rest> rest_;
-  BoxTree tree_;
+  detail::BoxTree tree_;
   double rounding_;
   detail::Buffer<Box> boxes_;
   detail::Buffer<Vec3<Scalar>> positions_;

@@ -39,7 +39,7 @@ class PointStates {
 };
 
 template <std::floating_point Scalar, ElasticModel Model>
-  requires(!has_state<Model>)
+  requires(!detail::has_state<Model>)
 class PointStates<Scalar, Model> {
  public:
   using State = typename Model::template State<Scalar>;

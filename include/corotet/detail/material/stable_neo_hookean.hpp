@@ -130,7 +130,7 @@ struct StableNeoHookean {
     L x;                                   // (I - 3) / 4
 
     explicit Invariants(const DeformationLanes<Scalar>& deformation) {
-      rotated_gradient(deformation.gradient, deformation.rotation, h);
+      detail::rotated_gradient(deformation.gradient, deformation.rotation, h);
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
           const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;

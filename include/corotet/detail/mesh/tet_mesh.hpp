@@ -73,7 +73,9 @@ class TetMesh {
   /// The mesh as unchecked data in double, in the coordinates given to `create`: for writers and converters.
   [[nodiscard]] COROTET_COLD MeshData data() const;
 
-  [[nodiscard]] std::size_t bytes() const { return bytes_of(positions_) + bytes_of(elements_) + bytes_of(regions_); }
+  [[nodiscard]] std::size_t bytes() const {
+    return detail::bytes_of(positions_) + detail::bytes_of(elements_) + detail::bytes_of(regions_);
+  }
 
   /// The mesh of some elements alone, each named once, with the same positions and origin. `vertices` (out): of this
   /// mesh, ascending, one for each of the new mesh's.

@@ -127,10 +127,10 @@ class AutoSolver {
   Options options_;
   SolverMethod method_ = SolverMethod::pcg;
   PreconditionerKind preconditioner_ = PreconditionerKind::block_jacobi;
-  SolveCost cost_;
+  detail::SolveCost cost_;
   double predicted_products_ = 0, warped_products_ = std::numeric_limits<double>::infinity();
   bool may_change_ = false;
-  IterationWatch watch_;
+  detail::IterationWatch watch_;
   /// What the methods work with; empty where a method is not used.
   struct Methods {
     Pcg<Scalar> pcg;
@@ -138,7 +138,7 @@ class AutoSolver {
     RigidAggregates<Scalar> rigid;
     WarpedCholesky<Scalar> warped;
     BlockCholesky<Scalar> cholesky;
-    Refinement<Scalar> refinement;
+    detail::Refinement<Scalar> refinement;
   };
   detail::DeepPointer<Methods> methods_;
 };
@@ -164,7 +164,7 @@ void AutoSolver<Scalar>::analyze(const std::shared_ptr<const BlockPattern>& patt
   if (method_ == SolverMethod::cholesky) {
     methods_->cholesky.analyze(*pattern);
     if (methods_->cholesky.is_ready()) {
-      methods_->refinement = Refinement<Scalar>(pattern->rows());
+      methods_->refinement = detail::Refinement<Scalar>(pattern->rows());
       return;
     }
     method_ = SolverMethod::pcg;
@@ -179,17 +179,17 @@ void AutoSolver<Scalar>::choose_preconditioner(const std::shared_ptr<const Block
                                                const Field<Scalar>& rest) {
   using enum PreconditionerKind;
   const Index vertices = pattern->rows();
-  cost_ = SolveCost(pattern->blocks(), vertices);
+  cost_ = detail::SolveCost(pattern->blocks(), vertices);
   preconditioner_ = options_.preconditioner;
   if (preconditioner_ == jacobi || preconditioner_ == block_jacobi) {
     methods_->diagonal = BlockJacobi<Scalar>(preconditioner_ == block_jacobi);
     methods_->diagonal.analyze(pattern, rest);
     return;
   }
-  detail::Shared<SymbolicFactor> symbolic;
+  detail::Shared<detail::SymbolicFactor> symbolic;
   if (preconditioner_ == warped_cholesky ||
       (preconditioner_ == automatic && vertices <= max_vertices_of_a_small_body)) {
-    symbolic = detail::Shared<SymbolicFactor>::make(*pattern);
+    symbolic = detail::Shared<detail::SymbolicFactor>::make(*pattern);
     if (symbolic->fits()) warped_products_ = cost_.warped_cholesky(double(symbolic->blocks));
   }
   if (preconditioner_ == warped_cholesky && symbolic->fits()) {
@@ -243,7 +243,7 @@ template <std::floating_point Scalar>
 SolveReport AutoSolver<Scalar>::solve_directly(const StepSystem<Scalar>& system, Field<Scalar>& x,
                                                ExecutorRef executor) {
   std::fill(x.begin(), x.end(), Vec3<Scalar>::Zero());
-  if (!is_tolerance(options_.tolerance)) return {SolveStatus::invalid_options, 0, 1.0};
+  if (!detail::is_tolerance(options_.tolerance)) return {SolveStatus::invalid_options, 0, 1.0};
   if (!methods_->cholesky.factorize(system.matrix)) return {SolveStatus::breakdown, 0, 1.0};
   const auto factor = [this](const Field<Scalar>& r, Field<Scalar>& y) { methods_->cholesky.solve(r, y); };
   return methods_->refinement.solve(system.matrix, factor, system.right_side, x, options_.tolerance, executor);

@@ -47,8 +47,10 @@ class BlockCholesky {
   ~BlockCholesky() = default;
 
   /// Ordering, pattern of L, and memory for L, if it fits.
-  COROTET_COLD void analyze(const BlockPattern& pattern) { analyze(detail::Shared<SymbolicFactor>::make(pattern)); }
-  COROTET_COLD void analyze(detail::Shared<SymbolicFactor> symbolic) {
+  COROTET_COLD void analyze(const BlockPattern& pattern) {
+    analyze(detail::Shared<detail::SymbolicFactor>::make(pattern));
+  }
+  COROTET_COLD void analyze(detail::Shared<detail::SymbolicFactor> symbolic) {
     *this = {};
     symbolic_ = std::move(symbolic);
     if (!symbolic_->fits()) return;
@@ -61,7 +63,7 @@ class BlockCholesky {
   [[nodiscard]] bool is_ready() const { return !value_.empty(); }
 
   [[nodiscard]] Index rows() const { return symbolic_->rows(); }
-  [[nodiscard]] const SymbolicFactor& symbolic() const { return *symbolic_; }
+  [[nodiscard]] const detail::SymbolicFactor& symbolic() const { return *symbolic_; }
 
   /// Multiplications and additions of one factorisation: c^2/2 block products of 2 B^3 operations a column of c.
   [[nodiscard]] double factor_flops() const { return 1.0 * B * B * B * symbolic_->squares; }
@@ -76,7 +78,7 @@ class BlockCholesky {
   [[nodiscard]] bool takes(Index slot) const { return symbolic_->position[at(slot)] >= 0; }
 
   /// That block. Between `begin` and `factorize`; different slots by different threads at the same time, if need be.
-  [[nodiscard]] MatrixView<double, B, B> entry(Index slot) { return block(symbolic_->position[at(slot)]); }
+  [[nodiscard]] detail::MatrixView<double, B, B> entry(Index slot) { return block(symbolic_->position[at(slot)]); }
 
   /// False if a pivot is not positive definite to rounding: then there is no factor.
   bool factorize() {
@@ -100,7 +102,7 @@ class BlockCholesky {
         j = following;
       }
       Block inverse;
-      if (!inverse_cholesky(block(begin).value(), inverse)) return false;
+      if (!detail::inverse_cholesky(block(begin).value(), inverse)) return false;
       block(begin) = inverse;
       for (Index p = begin + 1; p < end; ++p) block(p) = block(p).value() * inverse.transpose();
       wait(k, begin + 1, first, next, done);
@@ -155,13 +157,14 @@ class BlockCholesky {
   }
 
   [[nodiscard]] MemoryUse memory() const {
-    return {bytes_of(value_) + bytes_of(segment_) + bytes_of(index_), symbolic_ ? symbolic_->bytes() : 0};
+    return {detail::bytes_of(value_) + detail::bytes_of(segment_) + detail::bytes_of(index_),
+            symbolic_ ? symbolic_->bytes() : 0};
   }
 
  private:
   static constexpr std::size_t block_size = std::size_t{B} * B;
   static constexpr std::size_t padding = width;  // numbers that are read behind the last block
-  using Segment = SimdVec<Scalar, int{width}>;
+  using Segment = detail::SimdVec<Scalar, int{width}>;
 
   [[nodiscard]] detail::Buffer<double> copy_of_values() const {
     detail::Buffer<double> copy = value_.without_values();
@@ -172,8 +175,8 @@ class BlockCholesky {
   [[nodiscard]] Index start(Index column) const { return symbolic_->column_start[at(column)]; }
 
   // Of L, while it is made, and of A before. On the diagonal: at the end, the inverse of L_jj.
-  [[nodiscard]] MatrixView<double, B, B> block(Index p) {
-    return MatrixView<double, B, B>(value_.data() + block_size * at(p));
+  [[nodiscard]] detail::MatrixView<double, B, B> block(Index p) {
+    return detail::MatrixView<double, B, B>(value_.data() + block_size * at(p));
   }
 
   /// Column j waits for the column in whose row its block p is.
@@ -216,7 +219,7 @@ class BlockCholesky {
     }
   }
 
-  using Column = SimdVec<double, 4>;  // of a 3x3 block, and one number more
+  using Column = detail::SimdVec<double, 4>;  // of a 3x3 block, and one number more
   COROTET_ALWAYS_INLINE void subtract_product(Index p, const Block& factor, std::array<Column, 3>& sum) const {
     const double* const source = value_.data() + block_size * at(p);
     COROTET_UNROLL
@@ -292,7 +295,7 @@ class BlockCholesky {
     return sum;
   }
 
-  detail::Shared<SymbolicFactor> symbolic_;
+  detail::Shared<detail::SymbolicFactor> symbolic_;
   detail::Buffer<double> value_;
   detail::Scratch<Scalar> segment_;
   detail::Scratch<Index> index_;  // see factorize

@@ -40,18 +40,19 @@ class BlockJacobi {
   double apply(const PaddedField<Scalar>& r, PaddedField<Scalar>& z, ExecutorRef executor) {
     return sum_(executor, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) z[at(i)].set(apply_to(i, r[at(i)]));
-      return range_dot(r, z, begin, end);
+      return detail::range_dot(r, z, begin, end);
     });
   }
 
   /// D^-1 r of one vertex.
-  [[nodiscard]] COROTET_ALWAYS_INLINE Vec4<Scalar> apply_to(Index vertex, const PaddedVector<Scalar>& r) const {
+  [[nodiscard]] COROTET_ALWAYS_INLINE detail::Vec4<Scalar> apply_to(Index vertex, const PaddedVector<Scalar>& r) const {
     const Scalar* d = inverse_[at(vertex)].data();
-    return Vec4<Scalar>::load(d) * Vec4<Scalar>(r[0]) + Vec4<Scalar>::load(d + 4) * Vec4<Scalar>(r[1]) +
-           Vec4<Scalar>::load(d + 8) * Vec4<Scalar>(r[2]);
+    return detail::Vec4<Scalar>::load(d) * detail::Vec4<Scalar>(r[0]) +
+           detail::Vec4<Scalar>::load(d + 4) * detail::Vec4<Scalar>(r[1]) +
+           detail::Vec4<Scalar>::load(d + 8) * detail::Vec4<Scalar>(r[2]);
   }
 
-  [[nodiscard]] MemoryUse memory() const { return MemoryUse{bytes_of(inverse_), 0} + sum_.memory(); }
+  [[nodiscard]] MemoryUse memory() const { return MemoryUse{detail::bytes_of(inverse_), 0} + sum_.memory(); }
 
  private:
   using Inverse = Matrix<Scalar, 4, 3>;  // each column with a zero behind it: a Quad

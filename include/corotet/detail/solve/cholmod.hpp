@@ -56,7 +56,7 @@ class CholmodSolver {
   void analyze(const std::shared_ptr<const BlockPattern>& shared_pattern, const Field<Scalar>& /*rest*/) {
     const BlockPattern& pattern = *shared_pattern;
     COROTET_ASSERT(pattern.blocks() <= (std::numeric_limits<Index>::max)() / 9, "too large for 32-bit indices");
-    refinement_ = Refinement<Scalar>(pattern.rows());
+    refinement_ = detail::Refinement<Scalar>(pattern.rows());
     const Index n = 3 * pattern.rows();
     matrix_.resize(n, n);
     matrix_.resizeNonZeros(Eigen::Index{9} * pattern.blocks());
@@ -100,7 +100,7 @@ class CholmodSolver {
   using Factorization = Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double, Eigen::ColMajor, Index>>;
   std::unique_ptr<Factorization> cholmod_ = std::make_unique<Factorization>();
   Eigen::VectorXd right_side_;
-  Refinement<Scalar> refinement_;
+  detail::Refinement<Scalar> refinement_;
 };
 
 }  // namespace corotet::inline v0_1

@@ -26,6 +26,8 @@ concept Preconditioner = requires(P& p, const StepSystem<Scalar>& system, const 
   { P::estimator_delay } -> std::convertible_to<int>;
 };
 
+namespace detail {
+
 /// Refers to a preconditioner of any type, which must outlive it.
 template <std::floating_point Scalar>
 class PreconditionerRef {
@@ -54,6 +56,8 @@ class PreconditionerRef {
   int estimator_delay_;
 };
 
+}  // namespace detail
+
 /// How a solve ended.
 enum class SolveStatus {
   converged,        ///< the residual is below the tolerance
@@ -63,10 +67,14 @@ enum class SolveStatus {
   breakdown         ///< the matrix is not positive definite in this precision, or not finite
 };
 
+namespace detail {
+
 /// Whether a tolerance is in its range. (Not a number is asked for first: comparing it may trap.)
 [[nodiscard]] inline bool is_tolerance(double tolerance) {
   return std::isfinite(tolerance) && tolerance > 0 && tolerance < 1;
 }
+
+}  // namespace detail
 
 /// How a linear solve ended.
 struct SolveReport {

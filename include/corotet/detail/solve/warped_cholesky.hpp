@@ -37,11 +37,11 @@ class WarpedCholesky {
 
   /// If the factor is too large for 32-bit indices, `apply` returns not-a-number.
   COROTET_COLD void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest) {
-    analyze(pattern, rest, detail::Shared<SymbolicFactor>::make(*pattern));
+    analyze(pattern, rest, detail::Shared<detail::SymbolicFactor>::make(*pattern));
   }
   /// The same with a symbolic factor of the pattern that is there.
   COROTET_COLD void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest,
-                            detail::Shared<SymbolicFactor> symbolic) {
+                            detail::Shared<detail::SymbolicFactor> symbolic) {
     *this = {};
     pattern_ = pattern;
     PaddedField<Scalar> padded(rest.size());
@@ -75,14 +75,14 @@ class WarpedCholesky {
     return sum_(executor, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i)
         z[at(i)].set(product(columns(rotation_[at(i)]), cholesky_.segment(place[at(i)])).first_three());
-      return range_dot(r, z, begin, end);
+      return detail::range_dot(r, z, begin, end);
     });
   }
 
   [[nodiscard]] MemoryUse memory() const {
     MemoryUse use = cholesky_.memory() + sum_.memory();
-    use.owned += bytes_of(rotation_);
-    if (rest_) use.shared += bytes_of(*rest_);
+    use.owned += detail::bytes_of(rotation_);
+    if (rest_) use.shared += detail::bytes_of(*rest_);
     return use;
   }
 
@@ -92,7 +92,7 @@ class WarpedCholesky {
   }
 
  private:
-  using Q = Vec4<Scalar>;
+  using Q = detail::Vec4<Scalar>;
   using Columns = std::array<Q, 3>;
 
   /// Of a matrix, each with a number without meaning behind it.
