@@ -19,15 +19,18 @@ namespace corotet::inline v0_1 {
 template <std::floating_point Scalar, int B = 3>
 class BlockMatrix {
  public:
-  using scalar_type = Scalar;
-  using Block = Matrix<Scalar, B, B>;
+  using scalar_type = Scalar;          ///< the type of its numbers
+  using Block = Matrix<Scalar, B, B>;  ///< the type of its blocks
 
   BlockMatrix() = default;
+  /// Zero on the pattern, which must not be null.
   explicit BlockMatrix(std::shared_ptr<const BlockPattern> pattern)
       : pattern_(std::move(pattern)), value_(block_size * at(pattern_->blocks()) + padding, Scalar(0)) {}
 
+  /// Which blocks are stored.
   [[nodiscard]] const BlockPattern& pattern() const { return *pattern_; }
 
+  /// The same, to be shared with other matrices.
   [[nodiscard]] const std::shared_ptr<const BlockPattern>& shared_pattern() const { return pattern_; }
 
   /// Block rows, one a vertex.
@@ -37,14 +40,17 @@ class BlockMatrix {
   [[nodiscard]] detail::MatrixView<Scalar, B, B> block(Index slot) {
     return detail::MatrixView<Scalar, B, B>(values(slot));
   }
+  /// The block in slot `slot` of the pattern.
   [[nodiscard]] Block block(Index slot) const { return Block::load(values(slot)); }
+  /// The block on the diagonal of a row.
   [[nodiscard]] Block diagonal(Index row) const { return block(pattern_->diagonal[at(row)]); }
 
   /// The numbers of a block and of those behind it; at least three more can be read after the last.
   [[nodiscard]] Scalar* values(Index slot) { return value_.data() + block_size * at(slot); }
+  /// The numbers of the block in slot `slot`, by columns.
   [[nodiscard]] const Scalar* values(Index slot) const { return value_.data() + block_size * at(slot); }
 
-  /// (A x) of one block row; the fourth number of the Quad is zero.
+  /// (A x) of one block row; the fourth number is zero.
   template <class FieldType>
   [[nodiscard]] COROTET_ALWAYS_INLINE detail::Vec4<Scalar> row_product(Index row, const FieldType& x) const
     requires(B == 3)

@@ -43,7 +43,7 @@ struct alignas(4 * sizeof(Scalar)) NodeGradient : std::array<Scalar, 4> {
 };
 
 /// The state of a corotated body that Elasticity::evaluate computes. Sized once: an evaluation allocates nothing. Each
-/// vector is followed by one number, so that assembly loads it as a Quad.
+/// vector is followed by one number, so that assembly loads it as a Vec4.
 template <std::floating_point Scalar, ReferenceElement Element>
 class ElasticEvaluation {
  public:

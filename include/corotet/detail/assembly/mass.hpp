@@ -30,6 +30,7 @@ enum class MassModel {
 template <std::floating_point Scalar>
 class Mass {
  public:
+  /// The mass of a mesh; `materials` must pass Materials::validate, and `pattern` be that of the mesh.
   template <ReferenceElement Element>
   COROTET_COLD Mass(const TetMesh<Scalar, Element>& mesh, const Materials& materials, MassModel model,
                     const BlockPattern& pattern)
@@ -60,7 +61,9 @@ class Mass {
     for (std::size_t v = 0; v < weight.size(); ++v) row_sum_[v] = static_cast<Scalar>(weight[v]);
   }
 
+  /// Lumped or consistent.
   [[nodiscard]] MassModel model() const { return model_; }
+  /// Bytes on the heap.
   [[nodiscard]] std::size_t bytes() const { return detail::bytes_of(factor_) + detail::bytes_of(row_sum_); }
 
   /// Mass of the whole body, kg.

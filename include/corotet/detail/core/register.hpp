@@ -105,19 +105,23 @@ using Vec4 = SimdVec<Scalar, 4>;
 }  // namespace COROTET_ISA
 }  // namespace detail
 
-/// A field in which each 3-vector has a zero behind it, so that it is loaded and stored as a Quad.
+/// A field in which each 3-vector has a zero behind it, so that it is loaded and stored as a Vec4.
 template <std::floating_point Scalar>
 struct alignas(4 * sizeof(Scalar)) PaddedVector : std::array<Scalar, 4> {
+  /// The vector and its zero in one register.
   [[nodiscard]] COROTET_ALWAYS_INLINE detail::Vec4<Scalar> vec4() const {
     return detail::Vec4<Scalar>::load(this->data());
   }
   /// The fourth number of `q` must be zero.
   COROTET_ALWAYS_INLINE void set(const detail::Vec4<Scalar>& q) { q.store(this->data()); }
+  /// Sets the vector, and the zero behind it.
   COROTET_ALWAYS_INLINE void set(const Vec3<Scalar>& v) {
     static_cast<std::array<Scalar, 4>&>(*this) = {v[0], v[1], v[2], 0};
   }
+  /// The vector alone.
   [[nodiscard]] Vec3<Scalar> vector() const { return {(*this)[0], (*this)[1], (*this)[2]}; }
 };
+/// One padded vector a vertex.
 template <std::floating_point Scalar>
 using PaddedField = detail::Buffer<PaddedVector<Scalar>>;
 

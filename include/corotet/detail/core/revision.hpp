@@ -10,7 +10,7 @@ namespace corotet::inline v0_1 {
 /// other but that.
 struct Revision {
   const void* module = nullptr;  ///< of the program that numbered it: shared libraries may count each for itself
-  std::uint64_t number = 0;
+  std::uint64_t number = 0;      ///< counted from 1; 0: none
 
   friend bool operator==(const Revision&, const Revision&) = default;
 };

@@ -176,21 +176,25 @@ template <class Body, class Solver = AutoSolver<typename Body::scalar_type>>
   requires LinearSolver<Solver, typename Body::scalar_type>
 class Bdf2 {
  public:
-  using Scalar = typename Body::scalar_type;
-  using Implementation = Integrator<Body, detail::Bdf2Scheme<Body>, Solver>;
+  using Scalar = typename Body::scalar_type;                                  ///< of the body
+  using Implementation = Integrator<Body, detail::Bdf2Scheme<Body>, Solver>;  ///< what it is made of
 
   /// Symbolic work and memory for `body` and its copies.
   explicit Bdf2(const Body& body, const Solver& solver = Solver(), const StepOptions& newton = {});
+  /// The same with the options of the solver alone.
   Bdf2(const Body& body, const typename Solver::Options& options, const StepOptions& newton = {})
       : Bdf2(body, Solver(options), newton) {}
 
+  /// The linear solver, with its options.
   [[nodiscard]] const Solver& solver() const { return implementation_.solver(); }
+  /// The options of the step's equation.
   [[nodiscard]] const StepOptions& newton() const { return implementation_.newton(); }
 
   /// Advances `body` by `h` seconds: see ImplicitEuler::step.
   StepReport step(Body& body, Scalar h, ExecutorRef executor = {}, PhaseObserver observer = {}) {
     return step(body, h, StepContext<Scalar>{executor, observer, {}, {}});
   }
+  /// The same with terms: see ImplicitEuler::step.
   StepReport step(Body& body, Scalar h, const StepContext<Scalar>& context);
 
   /// Bytes that the integrator takes besides the body, and those that it shares with its copies.

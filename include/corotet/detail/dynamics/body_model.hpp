@@ -25,9 +25,9 @@ namespace corotet::inline v0_1 {
 
 /// How a body is discretised.
 struct BodyOptions {
-  MassModel mass = MassModel::lumped;
-  RayleighDamping damping = {};
-  VolumetricStrain volumetric_strain = VolumetricStrain::pointwise;
+  MassModel mass = MassModel::lumped;                                ///< lumped or consistent
+  RayleighDamping damping = {};                                      ///< 1/s and s; none by default
+  VolumetricStrain volumetric_strain = VolumetricStrain::pointwise;  ///< pointwise, or averaged against locking
   /// Vertices that no element couples but a StepTerm shall: a spring between two points of the body, self-contact.
   Stencils couplings = {};
 };
@@ -40,9 +40,9 @@ struct BodyOptions {
 template <std::floating_point Scalar, ReferenceElement Element = Tet4, ElasticLaw LawType = Polar>
 class BodyModel {
  public:
-  using Mesh = TetMesh<Scalar, Element>;
-  using Law = Elasticity<Scalar, Element, LawType>;
-  using Pointer = std::shared_ptr<const BodyModel>;
+  using Mesh = TetMesh<Scalar, Element>;             ///< of the body
+  using Law = Elasticity<Scalar, Element, LawType>;  ///< the elastic law on the mesh
+  using Pointer = std::shared_ptr<const BodyModel>;  ///< how bodies hold it
 
   /// Errors: unsupported for a mean dilatation with another model than the corotated one; invalid_argument for a
   /// material (see Materials::validate), negative damping, or couplings that name no
@@ -53,11 +53,17 @@ class BodyModel {
   /// The same body of other materials. Mesh and pattern are shared with this model. Errors as for `create`.
   [[nodiscard]] COROTET_COLD Result<Pointer> with_materials(const Materials& materials) const;
 
+  /// Mesh in the rest configuration.
   [[nodiscard]] const Mesh& mesh() const { return *mesh_; }
+  /// Elastic law: forces and energies of elements.
   [[nodiscard]] const Law& law() const { return law_; }
+  /// Mass matrix.
   [[nodiscard]] const Mass<Scalar>& mass() const { return mass_; }
+  /// Materials, one for the body or one for each element.
   [[nodiscard]] const Materials& materials() const { return materials_; }
+  /// The options that it was made with.
   [[nodiscard]] const BodyOptions& options() const { return options_; }
+  /// Which vertices the matrices couple.
   [[nodiscard]] const std::shared_ptr<const BlockPattern>& pattern() const { return pattern_; }
 
   /// How long sound takes through the body where it is thin, s: see hydraulic_diameter.

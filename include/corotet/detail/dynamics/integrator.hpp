@@ -75,8 +75,8 @@ template <class Body, TimeScheme<Body> Scheme, class Solver>
   requires LinearSolver<Solver, typename Body::scalar_type>
 class Integrator {
  public:
-  using Scalar = typename Body::scalar_type;
-  using Piece = detail::PieceIntegrator<Body, Scheme, Solver>;
+  using Scalar = typename Body::scalar_type;                    ///< of the body
+  using Piece = detail::PieceIntegrator<Body, Scheme, Solver>;  ///< steps one piece of the body
 
   /// Symbolic work and memory for `body` and its copies.
   COROTET_COLD Integrator(const Body& body, const Solver& solver, const StepOptions& newton)
@@ -86,6 +86,7 @@ class Integrator {
     reports_ = detail::Buffer<StepReport>(at(pieces_.count()));
   }
 
+  /// The options of the step's equation.
   [[nodiscard]] const StepOptions& newton() const { return options_; }
   /// Of the first piece.
   [[nodiscard]] const Solver& solver() const { return integrators_.front().solver(); }

@@ -14,12 +14,17 @@ namespace corotet::inline v0_1 {
 
 /// The components of a vertex's position that a pin prescribes.
 struct PinnedAxes {
-  bool x = true, y = true, z = true;
+  bool x = true;  ///< whether the x component is prescribed
+  bool y = true;  ///< whether the y component is prescribed
+  bool z = true;  ///< whether the z component is prescribed
 
+  /// Whether component i is prescribed.
   [[nodiscard]] bool operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
+  /// Whether all three are prescribed.
   [[nodiscard]] bool all() const { return x && y && z; }
   friend bool operator==(const PinnedAxes&, const PinnedAxes&) = default;
 
+  /// For snapshots.
   void visit_state(detail::StateArchive& archive) {
     archive(x);
     archive(y);
@@ -32,6 +37,7 @@ struct PinnedAxes {
 template <std::floating_point Scalar>
 class Pins {
  public:
+  /// No pins yet, for a body of so many vertices.
   explicit Pins(Index vertices) : slot_(at(vertices), none) {}
 
   /// Holds `vertex` at a displacement, whose other components than `axes` do not matter; moves it there if it is pinned
@@ -79,13 +85,16 @@ class Pins {
     for (Vec3<Scalar>& target : targets_) target += shift;
   }
 
+  /// Whether a component of the vertex is prescribed.
   [[nodiscard]] bool is_pinned(Index vertex) const {
     return vertex >= 0 && vertex < size_of(slot_) && slot_[at(vertex)] != none;
   }
 
   /// Pinned vertices in no particular order, and the displacement and the axes of each.
   [[nodiscard]] const std::vector<Index>& vertices() const { return vertices_; }
+  /// Displacements of the pinned vertices, m, in the order of vertices().
   [[nodiscard]] const Field<Scalar>& targets() const { return targets_; }
+  /// Prescribed components, in the order of vertices().
   [[nodiscard]] const std::vector<PinnedAxes>& axes() const { return axes_; }
 
   /// The axes of a vertex that are pinned: none of one that is free.
@@ -104,6 +113,7 @@ class Pins {
   /// Another number whenever the set of pinned components is another; targets do not matter.
   [[nodiscard]] Revision revision() const { return revision_; }
 
+  /// Bytes on the heap.
   [[nodiscard]] std::size_t bytes() const {
     return detail::bytes_of(slot_) + detail::bytes_of(vertices_) + detail::bytes_of(targets_) + detail::bytes_of(axes_);
   }

@@ -38,12 +38,13 @@ namespace corotet::inline v0_1 {
 template <std::floating_point Scalar, ReferenceElement Element = Tet4, ElasticLaw LawType = Polar>
 class SoftBody : private PointStates<Scalar, detail::ElasticModelOf<LawType>> {
  public:
-  using scalar_type = Scalar;
+  using scalar_type = Scalar;  ///< float or double
+  /// Tet4, Tet10 or one of your own
   using element_type = Element;
-  using Mesh = TetMesh<Scalar, Element>;
-  using Law = Elasticity<Scalar, Element, LawType>;
-  using Model = BodyModel<Scalar, Element, LawType>;
-  using States = PointStates<Scalar, detail::ElasticModelOf<LawType>>;
+  using Mesh = TetMesh<Scalar, Element>;                                ///< of the body
+  using Law = Elasticity<Scalar, Element, LawType>;                     ///< the elastic law on the mesh
+  using Model = BodyModel<Scalar, Element, LawType>;                    ///< what copies of the body share
+  using States = PointStates<Scalar, detail::ElasticModelOf<LawType>>;  ///< of the material at each quadrature point
 
   /// A body at rest in its rest shape, free of pins, gravity and forces, of a model of its own. Errors: as
   /// BodyModel::create.
@@ -53,16 +54,24 @@ class SoftBody : private PointStates<Scalar, detail::ElasticModelOf<LawType>> {
   /// The same of a model that others may share.
   COROTET_COLD explicit SoftBody(std::shared_ptr<const Model> model);
 
+  /// Mesh, law and mass, shared by copies of the body.
   [[nodiscard]] const std::shared_ptr<const Model>& model() const { return model_; }
+  /// Mesh in the rest configuration.
   [[nodiscard]] const Mesh& mesh() const { return model_->mesh(); }
+  /// Elastic law: forces and energies of elements.
   [[nodiscard]] const Law& law() const { return model_->law(); }
+  /// Mass matrix.
   [[nodiscard]] const Mass<Scalar>& mass() const { return model_->mass(); }
+  /// Rayleigh damping, 1/s and s.
   [[nodiscard]] const RayleighDamping& damping() const { return damping_.damping; }
+  /// Which vertices the matrices couple.
   [[nodiscard]] const std::shared_ptr<const BlockPattern>& pattern() const { return model_->pattern(); }
+  /// Number of vertices.
   [[nodiscard]] Index vertex_count() const { return mesh().vertex_count(); }
 
   /// m and m/s, one a vertex.
   [[nodiscard]] const Field<Scalar>& displacements() const { return displacement_; }
+  /// Velocities, m/s, one a vertex.
   [[nodiscard]] const Field<Scalar>& velocities() const { return velocity_; }
 
   /// Of the body's coordinates in the world, m: mesh().origin() until `rebase` moves it.
@@ -77,6 +86,7 @@ class SoftBody : private PointStates<Scalar, detail::ElasticModelOf<LawType>> {
 
   /// Replaces the state. Errors: invalid_argument (length), non_finite_value (names the vertex); nothing changes then.
   COROTET_COLD Result<void> set_displacements(std::span<const Vec3<Scalar>> displacement);
+  /// Sets all velocities, m/s, one a vertex. Refused if one is not finite or their number is another.
   COROTET_COLD Result<void> set_velocities(std::span<const Vec3<Scalar>> velocity);
 
   /// Moves the body to world positions (m) and sets its velocities (m/s), one a vertex; the origin moves along, so that
@@ -106,6 +116,7 @@ class SoftBody : private PointStates<Scalar, detail::ElasticModelOf<LawType>> {
 
   /// Vertices held in place or led along a path.
   [[nodiscard]] Pins<Scalar>& pins() { return pins_; }
+  /// Vertices whose motion is prescribed.
   [[nodiscard]] const Pins<Scalar>& pins() const { return pins_; }
 
   /// Pins each vertex whose rest position (relative to the origin) satisfies `predicate`, where it is now; along some
@@ -129,10 +140,12 @@ class SoftBody : private PointStates<Scalar, detail::ElasticModelOf<LawType>> {
 
   /// m/s^2.
   void set_gravity(const Vec3<Scalar>& gravity) { gravity_.acceleration = gravity; }
+  /// Gravity, m/s^2.
   [[nodiscard]] const Vec3<Scalar>& gravity() const { return gravity_.acceleration; }
 
   /// Force on each vertex, N, besides gravity; zero until the caller writes to it, and kept from step to step.
   [[nodiscard]] std::span<Vec3<Scalar>> external_forces() { return nodal_force_.force; }
+  /// Forces on vertices, N, one a vertex.
   [[nodiscard]] std::span<const Vec3<Scalar>> external_forces() const { return nodal_force_.force; }
 
   /// Bytes of its own state, and of the model that it shares with its copies.

@@ -23,9 +23,9 @@ struct StaticOptions {
   /// whichever are larger (Euclidean norms), 0 < tolerance < 1. Where rounding does not allow that, above all in float,
   /// the solution ends when corrections no longer shrink.
   double tolerance = 1e-6;
-  int max_steps = 200;         ///< of pseudo-time
-  int newton_iterations = 10;  ///< at most, in each of them
-  SolverOptions solver = {.tolerance = 1e-4};
+  int max_steps = 200;                         ///< of pseudo-time
+  int newton_iterations = 10;                  ///< at most, in each of them
+  SolverOptions solver = {.tolerance = 1e-4};  ///< of each step
 };
 
 namespace detail {

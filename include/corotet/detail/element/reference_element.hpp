@@ -19,13 +19,14 @@ using NaturalCoordinates = std::array<double, 3>;
 /// A quadrature point: natural coordinates and weight. The weights of a rule sum to the volume of the reference
 /// element, 1/6 for a tetrahedron.
 struct QuadraturePoint {
-  NaturalCoordinates xi;
-  double weight;
+  NaturalCoordinates xi;  ///< natural coordinates
+  double weight;          ///< its share of the reference element's volume
 };
 
 /// The corners that bound an edge.
 struct ElementEdge {
-  std::size_t a, b;
+  std::size_t a;  ///< number of one corner
+  std::size_t b;  ///< number of the other
 };
 
 /// The six edges of a tetrahedron, in the order in which Tet10 numbers its mid-edge nodes 4 ... 9.

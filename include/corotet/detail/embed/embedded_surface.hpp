@@ -46,7 +46,7 @@ class EmbeddedSurface {
   using Motion = detail::ElementMotion<Scalar, Element>;
 
  public:
-  using Mesh = TetMesh<Scalar, Element>;
+  using Mesh = TetMesh<Scalar, Element>;  ///< of the body
 
   /// The motions of the carrying elements: written by each update before it reads them.
   class Scratch {
@@ -85,20 +85,25 @@ class EmbeddedSurface {
   void update(std::span<const Vec3<Scalar>> u, const VertexBuffer& out, ExecutorRef executor = {}) {
     update(u, out, scratch_, executor);
   }
+  /// The same, with scratch of the caller's: one surface may then serve several threads at once.
   void update(std::span<const Vec3<Scalar>> u, const VertexBuffer& out, Scratch& scratch,
               ExecutorRef executor = {}) const;
 
   /// Positions alone, m, relative to the mesh's origin: one a bound vertex.
   void positions(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out) { positions(u, out, scratch_); }
+  /// The same, with scratch of the caller's.
   void positions(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out, Scratch& scratch,
                  ExecutorRef executor = {}) const;
 
   /// Unit normals alone.
   void normals(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out) { normals(u, out, scratch_); }
+  /// The same, with scratch of the caller's.
   void normals(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out, Scratch& scratch,
                ExecutorRef executor = {}) const;
 
+  /// Number of vertices of the surface.
   [[nodiscard]] Index vertex_count() const { return size_of(binding_->vertices); }
+  /// Whether it computes normals.
   [[nodiscard]] bool has_normals() const { return binding_->has_normals; }
 
   /// The scratch is owned, the binding shared.
@@ -121,7 +126,9 @@ class EmbeddedSurface {
 
   /// Bound vertices outside the mesh by more than its rounding: how many, which, and the farthest of them, m.
   [[nodiscard]] Index outside_count() const { return size_of(binding_->outside_vertices); }
+  /// The vertices that outside_count() counts.
   [[nodiscard]] const std::vector<Index>& outside_vertices() const { return binding_->outside_vertices; }
+  /// The largest distance of one of these from the mesh, m; 0 if there is none.
   [[nodiscard]] double max_distance() const { return binding_->max_distance; }
 
   /// How many rest normals had no direction and were replaced by +z.

@@ -23,14 +23,14 @@ namespace corotet::inline v0_1 {
 /// stands here is the same law for PointwiseElasticity: their results agree.
 template <RotationExtractor RotationLaw = Polar>
 struct Corotated {
-  static constexpr std::string_view name = "corotated";
-  using Rotation = RotationLaw;
+  static constexpr std::string_view name = "corotated";  ///< as in messages
+  using Rotation = RotationLaw;                          ///< how R is found from F
   /// With one rotation for several points the force has no energy: `Rotation::per_element` matters to Tet10.
   static constexpr bool is_conservative =
       (std::derived_from<Rotation, Polar> && !Rotation::per_element) || std::derived_from<Rotation, Identity>;
 
   template <std::floating_point Scalar>
-  using State = NoState;
+  using State = NoState;  ///< it has no memory
 
   template <std::floating_point Scalar>
   struct Constants {
@@ -43,6 +43,7 @@ struct Corotated {
     }
   };
 
+  /// W of each element, J/m^3.
   template <std::floating_point Scalar>
   [[nodiscard]] static Lanes<Scalar> energy(const Constants<Scalar>& constants,
                                             const DeformationLanes<Scalar>& deformation, const NoState& /*committed*/) {
@@ -51,6 +52,7 @@ struct Corotated {
     return constants.mu * e.squared_norm() + Lanes<Scalar>(Scalar(0.5)) * constants.lambda * theta * theta;
   }
 
+  /// P of each element, Pa.
   template <std::floating_point Scalar>
   static void stress(const Constants<Scalar>& constants, const DeformationLanes<Scalar>& deformation,
                      const NoState& /*committed*/, NoState& /*trial*/, Mat3Lanes<Scalar>& p) {

@@ -15,7 +15,8 @@ namespace corotet::inline v0_1 {
 /// F = U diag(s) V^T with rotations U and V: s may be negative.
 template <std::floating_point Scalar>
 struct PrincipalFrame {
-  Mat3Lanes<Scalar> u, v;
+  Mat3Lanes<Scalar> u;        ///< U
+  Mat3Lanes<Scalar> v;        ///< V
   Vec3Lanes<Scalar> stretch;  ///< s
 
   /// From the polar rotation: with R^T F = V diag(s) V^T, U = R V. Where R^T F is not symmetric, because the polar

@@ -26,12 +26,12 @@ namespace corotet::inline v0_1 {
 ///
 /// Energy and stress are computed of R^T F - I, which has the digits of small strains under large rotations.
 struct StableNeoHookean {
-  static constexpr std::string_view name = "stable_neo_hookean";
-  static constexpr bool is_conservative = true;
-  using Rotation = Polar;
+  static constexpr std::string_view name = "stable_neo_hookean";  ///< as in messages
+  static constexpr bool is_conservative = true;                   ///< the stress is the derivative of the energy
+  using Rotation = Polar;  ///< it asks for none, so that this one costs nothing more
 
   template <std::floating_point Scalar>
-  using State = NoState;
+  using State = NoState;  ///< it has no memory
 
   template <std::floating_point Scalar>
   struct Constants {

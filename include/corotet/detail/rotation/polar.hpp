@@ -18,9 +18,10 @@ namespace corotet::inline v0_1 {
 /// digits as the two least signed stretches cancel; lanes where that shows are done again by `polar_robust`, where
 /// `unit` is explained.
 struct Polar {
-  static constexpr bool per_element = false;
-  static constexpr std::string_view name = "polar";
+  static constexpr bool per_element = false;         ///< each quadrature point has its own
+  static constexpr std::string_view name = "polar";  ///< as in messages
 
+  /// Sets `r` to the rotation nearest to each lane's F. `unit`: the size of F at rest, 0 if unknown.
   template <std::floating_point Scalar>
   static void extract(const Mat3Lanes<Scalar>& f, Mat3Lanes<Scalar>& r, Scalar unit = 0) {
     using L = Lanes<Scalar>;

@@ -28,10 +28,20 @@
 
 namespace corotet::inline v0_1 {
 
-/// Conjugate gradients, or a factorisation of the matrix in each step; automatic: by predicted cost.
-enum class SolverMethod { automatic, pcg, cholesky };
+/// How AutoSolver solves.
+enum class SolverMethod {
+  automatic,  ///< by predicted cost
+  pcg,        ///< conjugate gradients
+  cholesky    ///< a factorisation of the matrix in each step
+};
 /// The preconditioner of conjugate gradients.
-enum class PreconditionerKind { automatic, jacobi, block_jacobi, rigid_aggregates, warped_cholesky };
+enum class PreconditionerKind {
+  automatic,         ///< by predicted cost
+  jacobi,            ///< the inverse of the diagonal
+  block_jacobi,      ///< the inverses of the 3x3 blocks on the diagonal
+  rigid_aggregates,  ///< block-Jacobi and the rigid motions of groups of vertices: RigidAggregates
+  warped_cholesky    ///< a factor of an earlier matrix that turns with the body: WarpedCholesky
+};
 
 /// As in a scene file: "jacobi", ...; "auto" for automatic.
 [[nodiscard]] constexpr std::string_view name_of(PreconditionerKind kind) {
@@ -53,8 +63,8 @@ enum class PreconditionerKind { automatic, jacobi, block_jacobi, rigid_aggregate
 /// How the linear systems of a step are solved. The defaults suit most scenes.
 /// @snippet steps.cpp solver
 struct SolverOptions {
-  SolverMethod method = SolverMethod::automatic;
-  PreconditionerKind preconditioner = PreconditionerKind::automatic;
+  SolverMethod method = SolverMethod::automatic;                      ///< iterative, direct, or as the system asks
+  PreconditionerKind preconditioner = PreconditionerKind::automatic;  ///< of the iterative method
   double tolerance = 1e-3;    ///< relative residual, 0 < tolerance < 1, see PcgOptions
   int max_iterations = 2000;  ///< of PCG, >= 0
 };
@@ -70,9 +80,11 @@ struct SolverOptions {
 template <std::floating_point Scalar>
 class AutoSolver {
  public:
-  using Options = SolverOptions;
+  using Options = SolverOptions;  ///< what it is made with
 
+  /// Checks nothing: a solve reports options that are out of range.
   explicit AutoSolver(const Options& options = {});
+  /// Copies share the symbolic part.
   AutoSolver(const AutoSolver&);
   AutoSolver(AutoSolver&&) noexcept;
   AutoSolver& operator=(const AutoSolver&);
@@ -88,16 +100,19 @@ class AutoSolver {
 
   /// What is used now.
   [[nodiscard]] SolverMethod method() const { return method_; }
+  /// The preconditioner in use.
   [[nodiscard]] PreconditionerKind preconditioner() const { return preconditioner_; }
 
   /// What a solve with it should cost, in products: see SolveCost. 0 where nothing is predicted.
   [[nodiscard]] double predicted_products() const { return predicted_products_; }
 
+  /// What it was made with.
   [[nodiscard]] const Options& options() const { return options_; }
 
   /// One of the same options, as before `analyze`: cheaper to compile than a copy.
   [[nodiscard]] AutoSolver unanalyzed() const { return AutoSolver(options_); }
 
+  /// Bytes of its own, and those that copies share.
   [[nodiscard]] COROTET_COLD MemoryUse memory() const;
 
   /// For snapshots.

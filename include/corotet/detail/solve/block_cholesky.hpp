@@ -29,9 +29,10 @@ namespace corotet::inline v0_1 {
 template <std::floating_point Scalar, int B = 3>
 class BlockCholesky {
  public:
-  using Block = Matrix<double, B, B>;
+  using Block = Matrix<double, B, B>;  ///< of the matrix, in double
 
   BlockCholesky() = default;
+  /// Copies share the symbolic part.
   BlockCholesky(const BlockCholesky& other)
       : symbolic_(other.symbolic_),
         value_(other.copy_of_values()),
@@ -39,6 +40,7 @@ class BlockCholesky {
         index_(other.index_),
         has_factor_(other.has_factor_) {}
   BlockCholesky(BlockCholesky&&) noexcept = default;
+  /// Copies share the symbolic part.
   BlockCholesky& operator=(const BlockCholesky& other) {
     if (this != &other) *this = BlockCholesky(other);
     return *this;
@@ -50,6 +52,7 @@ class BlockCholesky {
   COROTET_COLD void analyze(const BlockPattern& pattern) {
     analyze(detail::Shared<detail::SymbolicFactor>::make(pattern));
   }
+  /// The same with a symbolic factor that others hold as well.
   COROTET_COLD void analyze(detail::Shared<detail::SymbolicFactor> symbolic) {
     *this = {};
     symbolic_ = std::move(symbolic);
@@ -62,7 +65,9 @@ class BlockCholesky {
   /// False before `analyze`, and for a factor that cannot be indexed: then nothing below may be called.
   [[nodiscard]] bool is_ready() const { return !value_.empty(); }
 
+  /// Rows of blocks of the matrix.
   [[nodiscard]] Index rows() const { return symbolic_->rows(); }
+  /// Pattern and order of the factor.
   [[nodiscard]] const detail::SymbolicFactor& symbolic() const { return *symbolic_; }
 
   /// Multiplications and additions of one factorisation: c^2/2 block products of 2 B^3 operations a column of c.
@@ -121,6 +126,7 @@ class BlockCholesky {
     return factorize();
   }
 
+  /// Whether the last factorisation succeeded.
   [[nodiscard]] bool has_factor() const { return has_factor_; }
 
   /// x = A^-1 b; both are rows() times B numbers, and may be the same. There must be a factor, here and below.
@@ -133,6 +139,7 @@ class BlockCholesky {
     for (Index k = 0; k < n; ++k)
       for (std::size_t c = 0; c < std::size_t{B}; ++c) x[at(symbolic_->order[at(k)]) * B + c] = segment(k)[c];
   }
+  /// Solves A x = b with the factor; b and x may be the same.
   void solve(const Field<Scalar>& b, Field<Scalar>& x)
     requires(B == 3)
   {
@@ -142,6 +149,7 @@ class BlockCholesky {
   /// The B numbers of row symbolic().order[k] with zeros behind them: the right side before `solve_segments`. After it
   /// the solution, with any numbers behind it.
   [[nodiscard]] Scalar* segment(Index k) { return segment_.data() + at(k) * width; }
+  /// Solves with the right side that the segments hold, which then hold the solution.
   void solve_segments() {
     const Index n = rows();
     for (Index j = 0; j < n; ++j) eliminate(j);
@@ -156,6 +164,7 @@ class BlockCholesky {
     if (archive.reads()) has_factor_ = count > 0;
   }
 
+  /// Bytes of its own, and those that copies share.
   [[nodiscard]] MemoryUse memory() const {
     return {detail::bytes_of(value_) + detail::bytes_of(segment_) + detail::bytes_of(index_),
             symbolic_ ? symbolic_->bytes() : 0};

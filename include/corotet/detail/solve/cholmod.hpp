@@ -32,9 +32,10 @@ struct CholmodOptions {
 template <std::floating_point Scalar>
 class CholmodSolver {
  public:
-  using Options = CholmodOptions;
+  using Options = CholmodOptions;  ///< what it is made with
 
   CholmodSolver() = default;
+  /// Checks nothing: a solve reports options that are out of range.
   explicit CholmodSolver(const Options& options) : options_(options) {}
   /// Shares nothing: CHOLMOD's factors cannot be copied, and the copy does the symbolic work again.
   CholmodSolver(const CholmodSolver& other)
@@ -45,6 +46,7 @@ class CholmodSolver {
     if (matrix_.rows() > 0) cholmod_->analyzePattern(matrix_);
   }
   CholmodSolver(CholmodSolver&&) noexcept = default;
+  /// Copies begin anew: the next solve factors.
   CholmodSolver& operator=(const CholmodSolver& other) {
     if (this != &other) *this = CholmodSolver(other);
     return *this;
@@ -75,6 +77,7 @@ class CholmodSolver {
     cholmod_->analyzePattern(matrix_);
   }
 
+  /// See LinearSolver.
   SolveReport solve(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor) {
     const BlockMatrix<Scalar>& matrix = system.matrix;
     double* value = matrix_.valuePtr();

@@ -98,6 +98,7 @@ class DeterministicReduction {
 class DeterministicSum {
  public:
   DeterministicSum() = default;
+  /// Of a field with so many entries.
   explicit DeterministicSum(Index count) : sums_(count) {}
 
   /// The sum of `part(begin, end)`, which returns a double, over all ranges.
@@ -107,9 +108,10 @@ class DeterministicSum {
                  [&](Index begin, Index end) { return detail::DeterministicReduction<1>::Sums{part(begin, end)}; })[0];
   }
 
+  /// Bytes of its own.
   [[nodiscard]] MemoryUse memory() const { return sums_.memory(); }
 
-  static constexpr Index grain = detail::DeterministicReduction<1>::grain;
+  static constexpr Index grain = detail::DeterministicReduction<1>::grain;  ///< entries a task
 
  private:
   detail::DeterministicReduction<1> sums_;

@@ -63,6 +63,7 @@ template <std::floating_point Scalar>
 class Pcg {
  public:
   Pcg() = default;
+  /// Memory for systems of so many vertices.
   COROTET_COLD explicit Pcg(Index vertices)
       : x_(at(vertices)), r_(x_), z_(x_), p_(x_), guess_(vertices), sum_(vertices) {}
 
@@ -104,8 +105,10 @@ class Pcg {
     return report;
   }
 
+  /// For snapshots.
   void visit_state(detail::StateArchive& archive) { guess_.visit_state(archive); }
 
+  /// Bytes of its own.
   [[nodiscard]] MemoryUse memory() const {
     return MemoryUse{4 * detail::bytes_of(x_), 0} + guess_.memory() + sum_.memory();
   }

@@ -42,6 +42,7 @@ class RefactorizationPolicy {
   /// To be called at each application.
   void count() { ++applications_; }
 
+  /// For snapshots.
   void visit_state(detail::StateArchive& archive) {
     archive(lag_key_);
     archive(age_);

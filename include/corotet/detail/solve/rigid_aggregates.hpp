@@ -38,8 +38,8 @@ namespace corotet::inline v0_1 {
 template <std::floating_point Scalar>
 class RigidAggregates {
  public:
-  using scalar_type = Scalar;
-  static constexpr int estimator_delay = 0;
+  using scalar_type = Scalar;                ///< of the matrix
+  static constexpr int estimator_delay = 0;  ///< its error estimate needs no delay
 
   struct Sizes {
     Index aggregates = 0;  ///< of vertices; 0: as `sizes_for` says
@@ -55,8 +55,10 @@ class RigidAggregates {
     return {vertices / std::clamp<Index>(vertices / 150, least, most), 0};
   }
 
+  /// Numbers of aggregates; 0: as the number of vertices asks.
   explicit RigidAggregates(const Sizes& sizes = {}) : wanted_(sizes) {}
 
+  /// See Preconditioner.
   COROTET_COLD void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest) {
     const Sizes sizes = wanted_.aggregates > 0 ? wanted_ : sizes_for(pattern->rows());
     model_ = detail::Shared<Model>::make(*pattern, rest, sizes);
@@ -74,8 +76,10 @@ class RigidAggregates {
 
   /// Blocks in the coarse factor.
   [[nodiscard]] std::size_t factor_blocks() const { return cholesky_.symbolic().blocks; }
+  /// Numbers of aggregates in use.
   [[nodiscard]] Sizes sizes() const { return {hierarchy().fine.count(), hierarchy().coarse_count()}; }
 
+  /// See Preconditioner.
   void update(const StepSystem<Scalar>& system, ExecutorRef executor) {
     smoother_.update(system, executor);
     const bool refactor = policy_.should_refactor(system.lag_key);
@@ -84,6 +88,7 @@ class RigidAggregates {
     if (refactor) factorize(system.matrix, executor);
   }
 
+  /// See Preconditioner.
   double apply(const PaddedField<Scalar>& r, PaddedField<Scalar>& z, ExecutorRef executor) {
     if (!cholesky_.has_factor()) return std::numeric_limits<double>::quiet_NaN();
     policy_.count();
@@ -106,6 +111,7 @@ class RigidAggregates {
     return sum;
   }
 
+  /// Bytes of its own, and those that copies share.
   [[nodiscard]] MemoryUse memory() const {
     MemoryUse use = smoother_.memory() + cholesky_.memory();
     use.owned += motion_.bytes() + detail::bytes_of(load_) + detail::bytes_of(answer_) +
@@ -114,6 +120,7 @@ class RigidAggregates {
     return use;
   }
 
+  /// For snapshots.
   COROTET_COLD void visit_state(detail::StateArchive& archive) {
     motion_.visit_state(archive);
     cholesky_.visit_state(archive);

@@ -78,8 +78,8 @@ namespace detail {
 
 /// How a linear solve ended.
 struct SolveReport {
-  SolveStatus status = SolveStatus::converged;
-  int iterations = 0;   ///< of conjugate gradients, or corrections of a direct solution
+  SolveStatus status = SolveStatus::converged;  ///< how it ended
+  int iterations = 0;                           ///< of conjugate gradients, or corrections of a direct solution
   double residual = 0;  ///< of the solution returned, relative, in the norm that the solver names
 };
 

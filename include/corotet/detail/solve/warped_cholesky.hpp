@@ -32,8 +32,8 @@ namespace corotet::inline v0_1 {
 template <std::floating_point Scalar>
 class WarpedCholesky {
  public:
-  using scalar_type = Scalar;
-  static constexpr int estimator_delay = 0;
+  using scalar_type = Scalar;                ///< of the matrix
+  static constexpr int estimator_delay = 0;  ///< its error estimate needs no delay
 
   /// If the factor is too large for 32-bit indices, `apply` returns not-a-number.
   COROTET_COLD void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest) {
@@ -52,6 +52,7 @@ class WarpedCholesky {
     sum_ = DeterministicSum(size_of(rest));
   }
 
+  /// See Preconditioner.
   void update(const StepSystem<Scalar>& system, ExecutorRef executor) {
     if (!cholesky_.is_ready()) return;
     turn(system.displacement, executor);
@@ -61,6 +62,7 @@ class WarpedCholesky {
     policy_.failed();
   }
 
+  /// See Preconditioner.
   double apply(const PaddedField<Scalar>& r, PaddedField<Scalar>& z, ExecutorRef executor) {
     if (!cholesky_.has_factor()) return std::numeric_limits<double>::quiet_NaN();
     policy_.count();
@@ -79,6 +81,7 @@ class WarpedCholesky {
     });
   }
 
+  /// Bytes of its own, and those that copies share.
   [[nodiscard]] MemoryUse memory() const {
     MemoryUse use = cholesky_.memory() + sum_.memory();
     use.owned += detail::bytes_of(rotation_);
@@ -86,6 +89,7 @@ class WarpedCholesky {
     return use;
   }
 
+  /// For snapshots.
   COROTET_COLD void visit_state(detail::StateArchive& archive) {
     cholesky_.visit_state(archive);
     policy_.visit_state(archive);
