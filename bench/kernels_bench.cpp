@@ -184,11 +184,11 @@ struct Beam {
   SerialExecutor serial;
   Body body;
   ImplicitEuler<Body> integrator{body};
-  ElasticEvaluation<float, Element> evaluation{body.law()};
+  detail::ElasticEvaluation<float, Element> evaluation{body.law()};
   BlockMatrix<float> matrix{body.pattern()};
   PaddedField<float> x = PaddedField<float>(at(body.vertex_count()));  // the velocities
   RigidAggregates<float> rigid;
-  detail::Shared<SymbolicFactor> symbolic = detail::Shared<SymbolicFactor>::make(*body.pattern());
+  detail::Shared<detail::SymbolicFactor> symbolic = detail::Shared<detail::SymbolicFactor>::make(*body.pattern());
   const double vertices = body.vertex_count(), elements = body.law().element_count(), blocks = body.pattern()->blocks();
 };
 
@@ -265,7 +265,7 @@ void add_rows(const std::string& element, const std::vector<Index>& all_cells) {
   };
   add("warped_cholesky", warped, 20);  // the factors of larger beams are too large
   add("initial_guess", [](State& state, B& b) {
-    InitialGuess<float> guess(b.body.vertex_count());
+    detail::InitialGuess<float> guess(b.body.vertex_count());
     PaddedField<float> x = b.x, other = x, r = x, p = x, q = x;
     for (auto& v : other) std::swap(v[0], v[1]);  // another direction
     guess.remember(x);

@@ -38,6 +38,7 @@
 
 #include <corotet/detail/core/macros_on.hpp>
 
+#include <corotet/contact.hpp>
 #include <corotet/executor.hpp>
 #include <corotet/integrators.hpp>
 #include <corotet/io.hpp>

@@ -3,6 +3,7 @@
 /// many bodies at once, and Integrator makes an integrator of your own TimeScheme.
 #pragma once
 
+#include <corotet/detail/assembly/twist_modes.hpp>
 #include <corotet/detail/dynamics/bdf2.hpp>
 #include <corotet/detail/dynamics/implicit_euler.hpp>
 #include <corotet/detail/dynamics/integrator.hpp>

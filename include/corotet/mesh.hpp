@@ -4,6 +4,7 @@
 /// Files are in @ref group_io; quality measures and mesh generation in @ref group_meshing.
 #pragma once
 
+#include <corotet/detail/element/reference_element.hpp>
 #include <corotet/detail/element/tet10.hpp>
 #include <corotet/detail/element/tet4.hpp>
 #include <corotet/detail/mesh/boundary.hpp>

@@ -4,6 +4,7 @@
 /// An integrator (@ref group_integrators) moves it.
 #pragma once
 
+#include <corotet/detail/assembly/mean_dilatation.hpp>
 #include <corotet/detail/dynamics/body_model.hpp>
 #include <corotet/detail/dynamics/pins.hpp>
 #include <corotet/detail/dynamics/soft_body.hpp>

@@ -2,4 +2,5 @@
 /// The shape in which a body rests under its pins, gravity, forces and terms.
 #pragma once
 
+#include <corotet/detail/dynamics/static_report.hpp>
 #include <corotet/detail/dynamics/static_solve.hpp>

@@ -3,5 +3,7 @@
 #pragma once
 
 #include <corotet/detail/core/matrix.hpp>
+#include <corotet/detail/core/memory_use.hpp>
+#include <corotet/detail/core/revision.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/rotation/quaternion.hpp>

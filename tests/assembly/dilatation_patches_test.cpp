@@ -14,7 +14,7 @@ namespace {
 using testing::distorted_block;
 
 /// Each element once, and the vertices of each patch those of its elements, few enough for the pattern.
-void expect_partition(const TetMesh<double, Tet4>& mesh, const DilatationPatches& patches) {
+void expect_partition(const TetMesh<double, Tet4>& mesh, const detail::DilatationPatches& patches) {
   std::vector<int> uses(at(mesh.element_count()), 0);
   ASSERT_EQ(patches.vertices.count(), patches.count());
   for (Index p = 0; p < patches.count(); ++p) {
@@ -32,7 +32,7 @@ void expect_partition(const TetMesh<double, Tet4>& mesh, const DilatationPatches
   EXPECT_TRUE(std::all_of(uses.begin(), uses.end(), [](int n) { return n == 1; }));
 }
 
-[[nodiscard]] Index elements_of(const DilatationPatches& patches, Index p) {
+[[nodiscard]] Index elements_of(const detail::DilatationPatches& patches, Index p) {
   return patches.start[at(p) + 1] - patches.start[at(p)];
 }
 
@@ -42,7 +42,7 @@ template <class Scalar>
 void expect_whole_cells(const Vec3<double>& size, BlockSplit split) {
   const Index of_cell = split == BlockSplit::kuhn6 ? 6 : 5;
   const auto mesh = testing::block<Scalar, Tet4>({.size = size, .cells = {7, 4, 3}, .split = split});
-  const DilatationPatches patches = dilatation_patches(mesh);
+  const detail::DilatationPatches patches = detail::dilatation_patches(mesh);
   EXPECT_EQ(patches.count(), 7 * 4 * 3);
   for (Index p = 0; p < patches.count(); ++p) {
     const Index first = patches.element[at(patches.start[at(p)])];
@@ -78,7 +78,7 @@ TEST(DilatationPatches, CoverAnyMesh) {
                                      data.connectivity.begin() + std::ptrdiff_t(4 * e + 4));
       }
       const auto mesh = testing::must(TetMesh<double, Tet4>::create(remove_unreferenced(std::move(ragged))));
-      const DilatationPatches patches = dilatation_patches(mesh);
+      const detail::DilatationPatches patches = detail::dilatation_patches(mesh);
       expect_partition(mesh, patches);
       Index small = 0;
       for (Index p = 0; p < patches.count(); ++p) small += elements_of(patches, p) < 3 ? 1 : 0;
@@ -91,7 +91,7 @@ TEST(DilatationPatches, OneElementIsOnePatch) {
   data.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   data.connectivity = {0, 1, 2, 3};
   const auto mesh = testing::must(TetMesh<double, Tet4>::create(data));
-  const DilatationPatches patches = dilatation_patches(mesh);
+  const detail::DilatationPatches patches = detail::dilatation_patches(mesh);
   ASSERT_EQ(patches.count(), 1);
   expect_partition(mesh, patches);
 }
@@ -99,7 +99,7 @@ TEST(DilatationPatches, OneElementIsOnePatch) {
 /// Blocks of the pattern: those of elements, and of patches besides; each group's pair contributes once to its block.
 TEST(DilatationPatches, WidenThePattern) {
   const auto mesh = distorted_block<double, Tet4>({.size = {3, 2, 2}, .cells = {3, 2, 2}}, 0.2, 3);
-  const Stencils groups = dilatation_patches(mesh).vertices;
+  const Stencils groups = detail::dilatation_patches(mesh).vertices;
   const BlockPattern pattern = BlockPattern::of(mesh.elements(), mesh.vertex_count(), groups);
   std::set<std::pair<Index, Index>> expected;
   const auto add_all = [&](auto begin, auto end) {

@@ -51,7 +51,7 @@ struct Point {
       f.set_lane(l, gradient.template cast<Scalar>());
       constants.set(l, material);
     }
-    extract_from_gradient<typename Model::Rotation>(f, r);
+    detail::extract_from_gradient<typename Model::Rotation>(f, r);
   }
 
   [[nodiscard]] double energy() const {
@@ -265,7 +265,7 @@ TEST(StableNeoHookean, IsLinearElasticityForSmallStrains) {
 /// The same model by the kernels of any model and by those that are made for it.
 template <class Scalar, class Element, class Rotation>
 void expect_the_same_by_both_kernels(double deformation, bool random_start) {
-  using General = PointwiseElasticity<Scalar, Element, Corotated<Rotation>>;
+  using General = detail::PointwiseElasticity<Scalar, Element, Corotated<Rotation>>;
   const auto mesh = testing::distorted_block<Scalar, Element>({.size = {1, 0.7, 0.5}, .cells = {3, 2, 2}}, 0.2, 5);
   std::vector<Material> materials(at(mesh.element_count()), rubber);
   for (std::size_t e = 0; e < materials.size(); ++e) materials[e].poisson = -0.2 + 0.05 * double(e % 14);
@@ -283,7 +283,7 @@ void expect_the_same_by_both_kernels(double deformation, bool random_start) {
     const Field<Scalar> f = made.force(u), f_general = general.force(u);
     EXPECT_LT(double((flat(f) - flat(f_general)).norm()), 100 * epsilon * (k.norm() + double(flat(f).norm())));
     EXPECT_NEAR(made.law.energy(u), general.law.energy(u), 100 * epsilon * made.law.energy(u));
-    const DeformationExtremes a = made.state.summary(), b = general.state.summary();
+    const detail::DeformationExtremes a = made.state.summary(), b = general.state.summary();
     EXPECT_EQ(a.inverted_elements, b.inverted_elements);
     EXPECT_EQ(a.inverted_elements > 0, random_start);
     EXPECT_NEAR(a.max_strain(), b.max_strain(), 100 * epsilon * a.max_strain());
@@ -355,13 +355,14 @@ TEST(PointwiseElasticity, TheMatrixIsTheSumOverElements) {
   for (Index s = 0; s < rig.pattern->blocks(); ++s) EXPECT_LT(double(std::as_const(k).block(s).norm()), 1e-5 * largest);
 }
 
-static_assert(ElasticModel<Softening> && has_state<Softening>);
+static_assert(ElasticModel<Softening> && detail::has_state<Softening>);
 
 // A model without state costs no byte, in an evaluation and in a body.
 static_assert(std::is_empty_v<PointStates<float, Corotated<Polar>>> &&
               std::is_empty_v<PointStates<double, StableNeoHookean>>);
-static_assert(sizeof(PointwiseEvaluation<float, Tet4, Softening>) ==
-              sizeof(PointwiseEvaluation<float, Tet4, StableNeoHookean>) + sizeof(PointStates<float, Softening>));
+static_assert(sizeof(detail::PointwiseEvaluation<float, Tet4, Softening>) ==
+              sizeof(detail::PointwiseEvaluation<float, Tet4, StableNeoHookean>) +
+                  sizeof(PointStates<float, Softening>));
 static_assert(sizeof(SoftBody<float, Tet4, Softening>) ==
               sizeof(SoftBody<float, Tet4>) + sizeof(PointStates<float, Softening>));
 

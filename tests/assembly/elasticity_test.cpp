@@ -164,7 +164,7 @@ void expect_warped_stiffness_is_the_hessian_without_twist(const MeshData& data, 
       for (std::size_t a = 0; a < Element::nodes; ++a) {
         const Index v = rig.mesh.element(e)[a];
         const Vec3<double> of_vertex =
-            inverse.transpose() * Vec3<double>::load(natural_gradients<Element>[q][a].data());
+            inverse.transpose() * Vec3<double>::load(detail::natural_gradients<Element>[q][a].data());
         gradient.col(v) = as_eigen(of_vertex);
         f += u[at(v)] * of_vertex.transpose();
       }

@@ -84,7 +84,7 @@ struct OneElement {
       for (std::size_t a = 0; a < Element::nodes; ++a) {
         const Index v = mesh.element(0)[a];
         const Vec3<double> of_vertex =
-            inverse.transpose() * Vec3<double>::load(natural_gradients<Element>[q][a].data());
+            inverse.transpose() * Vec3<double>::load(detail::natural_gradients<Element>[q][a].data());
         gradient.col(v) = as_eigen(of_vertex);
         f += u[at(v)] * of_vertex.transpose();
       }

@@ -171,7 +171,7 @@ TYPED_TEST(SmallMatrix, IsSeenByEigenWhereItIs) {
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) EXPECT_EQ(m(r, c), before(r, c) * S(r == 1 ? 2 : 1));
   std::array<S, 20> numbers{};
-  const MatrixView<S, 3, 3> view(numbers.data() + 5);
+  const detail::MatrixView<S, 3, 3> view(numbers.data() + 5);
   view = before;
   as_eigen(view)(2, 0) = 7;
   EXPECT_EQ(numbers[7], S(7));
@@ -452,7 +452,7 @@ TYPED_TEST(SmallMatrix, ViewsWriteWhereTheyLook) {
   using S = TypeParam;
   Random random(14);
   std::vector<S> numbers(30, S(-1));
-  const MatrixView<S, 3, 3> view(numbers.data() + 6), other(numbers.data() + 18);
+  const detail::MatrixView<S, 3, 3> view(numbers.data() + 6), other(numbers.data() + 18);
   const auto m = random_matrix<S, 3, 3>(random), n = random_matrix<S, 3, 3>(random);
   view = m;
   EXPECT_EQ(view.value(), m);
@@ -465,7 +465,7 @@ TYPED_TEST(SmallMatrix, ViewsWriteWhereTheyLook) {
   EXPECT_EQ(view.value(), m + n - n);
   view(1, 2) = 4;
   EXPECT_EQ(numbers[6 + 7], S(4));
-  MatrixView<S, 3, 3> copy(other);
+  detail::MatrixView<S, 3, 3> copy(other);
   copy = view;  // the numbers, not where it looks
   EXPECT_EQ(other.value(), view.value());
   const Mat3<S> as_value = view;

@@ -63,7 +63,7 @@ void expect_step_solves_the_equation(MassModel model) {
 
   const double h = 0.01;
   Eigen::MatrixXd k = Eigen::MatrixXd::Zero(dofs, dofs), m = k;
-  ElasticEvaluation<double, Element> state(body.law());
+  detail::ElasticEvaluation<double, Element> state(body.law());
   SerialExecutor serial;
   body.law().evaluate(body.displacements(), state, serial);
   BlockMatrix<double> stiffness(body.pattern());

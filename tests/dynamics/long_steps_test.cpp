@@ -74,7 +74,7 @@ TYPED_TEST(LongSteps, BothIntegratorsSettleInTheSameShape) {
 /// at most where all vertices lie on its edges.
 TYPED_TEST(LongSteps, ThicknessIsThatOfBarsAndTwiceThatOfPlates) {
   const auto of = [](const Vec3<double>& size, const std::array<Index, 3>& cells) {
-    return hydraulic_diameter(testing::block<double, TypeParam>({.size = size, .cells = cells}));
+    return detail::hydraulic_diameter(testing::block<double, TypeParam>({.size = size, .cells = cells}));
   };
   EXPECT_NEAR(of({10, 0.1, 0.1}, {10, 4, 4}), 0.11, 0.01);
   EXPECT_NEAR(of({10, 0.1, 0.1}, {10, 1, 1}), 0.13, 0.02);
@@ -85,8 +85,8 @@ TYPED_TEST(LongSteps, ThicknessIsThatOfBarsAndTwiceThatOfPlates) {
 
 TEST(CrossingTime, IsThatOfTheFastestMaterial) {
   const Material slow{.young = 1e4, .poisson = 0.3, .density = 1e4}, fast{.young = 4e6, .poisson = 0, .density = 1e2};
-  EXPECT_DOUBLE_EQ(wave_transit_time(0.5, slow, 7), 0.5);
-  EXPECT_DOUBLE_EQ(wave_transit_time(0.5, std::vector<Material>{slow, fast, slow}, 3), 0.5 / 200);
+  EXPECT_DOUBLE_EQ(detail::wave_transit_time(0.5, slow, 7), 0.5);
+  EXPECT_DOUBLE_EQ(detail::wave_transit_time(0.5, std::vector<Material>{slow, fast, slow}, 3), 0.5 / 200);
 }
 
 }  // namespace

@@ -302,11 +302,11 @@ TYPED_TEST(NewtonSteps, SayWhetherTheyConverged) {
 
 TEST(LineSearch, GoesAsFarAsTheEnergyFalls) {
   const auto parabola = [](double x) { return -x + x * x; };  // slope -1, least at 1/2, zero at 1
-  EXPECT_EQ(backtrack(-1, 0, parabola), 0.5);
-  EXPECT_EQ(backtrack(-1, 0, [](double x) { return -x; }), 1);
-  EXPECT_EQ(backtrack(-1, 0.1, parabola), 1) << "within rounding";
-  EXPECT_EQ(backtrack(-1, 0, [](double x) { return x; }), 0);
-  EXPECT_EQ(backtrack(-1, 0, [](double x) { return x > 0.2 ? std::nan("") : -x; }), 0.125);
+  EXPECT_EQ(detail::backtrack(-1, 0, parabola), 0.5);
+  EXPECT_EQ(detail::backtrack(-1, 0, [](double x) { return -x; }), 1);
+  EXPECT_EQ(detail::backtrack(-1, 0.1, parabola), 1) << "within rounding";
+  EXPECT_EQ(detail::backtrack(-1, 0, [](double x) { return x; }), 0);
+  EXPECT_EQ(detail::backtrack(-1, 0, [](double x) { return x > 0.2 ? std::nan("") : -x; }), 0.125);
 }
 
 }  // namespace

@@ -73,10 +73,10 @@ Deformation deformation_of(const Body& body) {
   for (Index e = 0; e < body.mesh().element_count(); ++e) {
     double least = 1, rounding = 0;
     for (std::size_t q = 0; q < points; ++q) {
-      const auto rest =
-          jacobian(natural_gradients<Element>[q], [&](std::size_t a) { return body.mesh().node_position(e, a); });
+      const auto rest = detail::jacobian(detail::natural_gradients<Element>[q],
+                                         [&](std::size_t a) { return body.mesh().node_position(e, a); });
       const Mat3<double> to_rest = rest.inverse();
-      const auto displaced = jacobian(natural_gradients<Element>[q], [&](std::size_t a) {
+      const auto displaced = detail::jacobian(detail::natural_gradients<Element>[q], [&](std::size_t a) {
         return body.displacements()[at(body.mesh().element(e)[a])].template cast<double>();
       });
       const Mat3<double> f = Mat3<double>::Identity() + displaced * to_rest;
@@ -88,7 +88,7 @@ Deformation deformation_of(const Body& body) {
         terms += body.displacements()[at(body.mesh().element(e)[a])].template cast<double>().norm() * to_rest.norm();
       rounding =
           std::max(rounding, 32 * double(std::numeric_limits<Scalar>::epsilon()) * terms * (1 + largest * largest));
-      const Mat3<double> s = polar_robust<double>(f).transpose() * f;
+      const Mat3<double> s = detail::polar_robust<double>(f).transpose() * f;
       found.max_strain = std::max(found.max_strain, ((s + s.transpose()) / 2 - Mat3<double>::Identity()).norm());
     }
     if (least < -rounding) ++found.surely_inverted;

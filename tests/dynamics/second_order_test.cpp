@@ -113,7 +113,7 @@ TEST(Bdf2, ConvergedStepsSatisfyTheEquation) {
       flat(v) += lead * (flat(now.velocities()) - flat(before.velocities()));
       EXPECT_LT((flat(body.displacements()) - x - c * flat(body.velocities())).norm(), 1e-13);
 
-      ElasticEvaluation<double, Tet4> state(body.law());
+      detail::ElasticEvaluation<double, Tet4> state(body.law());
       SerialExecutor serial;
       body.law().evaluate(body.displacements(), state, serial);
       double residual = 0, size = 0;

@@ -63,8 +63,9 @@ TEST(StepPhase, ObservingChangesNoBit) {
 
 /// Motion, and steps that vary a little, go on with what was factored; anything else begins a new era.
 TEST(LagKey, ChangesWithAllThatChangesTheMatrixButMotion) {
-  LagKey lag_key;
-  LagKey::Settings now{.mass_factor = 1, .stiffness_factor = 3e-4, .materials = new_revision(), .pins = new_revision()};
+  detail::LagKey lag_key;
+  detail::LagKey::Settings now{
+      .mass_factor = 1, .stiffness_factor = 3e-4, .materials = detail::new_revision(), .pins = detail::new_revision()};
   EXPECT_EQ(lag_key.of(now), 1U);
   for (const double factor : {1.0, 1.2, 0.8, 1.0}) {
     now.stiffness_factor = factor * 3e-4;
@@ -74,9 +75,9 @@ TEST(LagKey, ChangesWithAllThatChangesTheMatrixButMotion) {
   EXPECT_EQ(lag_key.of(now), 2U);
   now.mass_factor = 2;
   EXPECT_EQ(lag_key.of(now), 3U);
-  now.materials = new_revision();
+  now.materials = detail::new_revision();
   EXPECT_EQ(lag_key.of(now), 4U);
-  now.pins = new_revision();
+  now.pins = detail::new_revision();
   EXPECT_EQ(lag_key.of(now), 5U);
   now.pins.module = &now;  // the same number, of another shared library
   EXPECT_EQ(lag_key.of(now), 6U);

@@ -91,8 +91,8 @@ TYPED_TEST(Scheme, OfThirdOrderConverges) {
 /// A scheme that discretises as backward Euler is ImplicitEuler, to the last bit.
 TYPED_TEST(Scheme, IsAllThatMakesAnIntegrator) {
   auto first = this->beam(), second = first;
-  Integrator<typename TestFixture::Body, BackwardEulerScheme<typename TestFixture::Body>, AutoSolver<double>> own(
-      first, AutoSolver<double>(), {});
+  Integrator<typename TestFixture::Body, detail::BackwardEulerScheme<typename TestFixture::Body>, AutoSolver<double>>
+      own(first, AutoSolver<double>(), {});
   ImplicitEuler euler(second);
   for (auto* body : {&first, &second}) body->set_gravity({1, 2, -9.81});
   for (int step = 0; step < 10; ++step) {
@@ -119,7 +119,7 @@ struct Bowl {
   double noise() const { return 1e-15; }
   double rounding() const { return 1e-12; }
   double search(double decrement, double noise_of_phi) const {
-    return backtrack(-decrement, noise_of_phi, [&](double fraction) { return phi(x + fraction * d) - phi(x); });
+    return detail::backtrack(-decrement, noise_of_phi, [&](double fraction) { return phi(x + fraction * d) - phi(x); });
   }
   bool apply(double fraction) { return x += fraction * d, std::isfinite(x); }
   void evaluate() {}
@@ -128,7 +128,7 @@ struct Bowl {
 TEST(Newton, SolvesAProblemThatIsNoBody) {
   for (const double start : {0.1, 3.0, -40.0}) {
     Bowl bowl{.x = start};
-    const NewtonResult result = newton_solve(bowl, 50, 1e-10, true);
+    const detail::NewtonResult result = detail::newton_solve(bowl, 50, 1e-10, true);
     EXPECT_TRUE(result.converged);
     EXPECT_NEAR(bowl.x, 0, 1e-9);
     EXPECT_EQ(bowl.projected, 0);
@@ -137,7 +137,7 @@ TEST(Newton, SolvesAProblemThatIsNoBody) {
 
 TEST(Newton, TakesOneCorrectionAsItIs) {
   Bowl bowl{.x = 3};
-  const NewtonResult result = newton_solve(bowl, 1, 1e-10, true);
+  const detail::NewtonResult result = detail::newton_solve(bowl, 1, 1e-10, true);
   EXPECT_EQ(result.iterations, 1);
   EXPECT_DOUBLE_EQ(bowl.x, 3 + bowl.d);
   EXPECT_LT(bowl.x, 0) << "it overshoots";
@@ -145,7 +145,7 @@ TEST(Newton, TakesOneCorrectionAsItIs) {
 
 TEST(Newton, ReportsWhatKeptItFromConverging) {
   Bowl bowl{.x = -40};
-  const NewtonResult result = newton_solve(bowl, 2, 1e-10, true);
+  const detail::NewtonResult result = detail::newton_solve(bowl, 2, 1e-10, true);
   EXPECT_FALSE(result.converged);
   EXPECT_EQ(result.iterations, 2);
   EXPECT_GT(result.residual, 1e-10);

@@ -101,7 +101,7 @@ concept IsMeasured = requires(std::array<Vec3<double>, Element::nodes> x) { meas
 template <class Element>
 concept CarriesSurfaces = requires { typename EmbeddedSurface<double, Element>; };
 template <class Element>
-concept HasPatches = requires(const TetMesh<double, Element>& mesh) { dilatation_patches(mesh); };
+concept HasPatches = requires(const TetMesh<double, Element>& mesh) { detail::dilatation_patches(mesh); };
 template <class Element>
 concept KnownTopology =
     HasBoundary<Element> && HasLines<Element> && IsWritten<Element> && IsMeasured<Element> && CarriesSurfaces<Element>;

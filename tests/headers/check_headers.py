@@ -10,6 +10,8 @@ RULE is one of
   forbidden  no exceptions, RTTI, printing or exiting, no function that C libraries round differently, no macro but
              COROTET_... and no name that is one elsewhere
   length     under 500 lines a header, at most 120 characters a line
+  named      a face header includes by name what declares names for users, names outside namespace detail: the
+             reference lists these alone
   umbrella   corotet/corotet.hpp includes the face headers alone, all but the opt-in ones, and through them reaches every
              header but the opt-in ones, which opt-in face headers reach; and at its top, while macros of platforms are
              put aside, every header of the standard library that any of these includes
@@ -54,6 +56,7 @@ UMBRELLA = "corotet/corotet.hpp"
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"](corotet/[^>"]+)[>"]', re.MULTILINE)
 STANDARD = re.compile(r"^\s*#\s*include\s*<([a-z_]+)>", re.MULTILINE)
+NAMESPACE = re.compile(r"(?:inline )?namespace ([\w: ]+) \{$")
 # Comments, string, raw string and character literals (a digit separator such as 1'000 is not the start of a literal).
 INERT = re.compile(
     r'R"([^\s()\\]{0,16})\(.*?\)\1"|//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|(?<![0-9A-Fa-f])\'(?:\\.|[^\'\\\n])+\'', re.DOTALL
@@ -152,6 +155,29 @@ def check_alone(headers, _opt_in):
                     yield f"{name}:1: reaches {reached}, which only {face} may"
 
 
+def declares_for_users(text):
+    """Whether a header declares more in namespace corotet, outside its detail, than names of incomplete classes."""
+    inside, users = [], ""
+    for line, code in zip(text.split("\n"), code_of(text).split("\n")):
+        opened = NAMESPACE.match(line)
+        if opened:
+            inside.append(opened.group(1))
+        elif inside and line.startswith("}  // namespace"):
+            inside.pop()
+        elif inside and "detail" not in "::".join(inside).split("::"):
+            users += code + "\n"
+    return re.sub(r"(template <[^<>]*>\s*)?\b(struct|class) \w+;", "", users).strip() != ""
+
+
+def check_named(headers, _opt_in):
+    named = set()
+    for name in filter(is_face, headers):
+        named |= set(INCLUDE.findall(headers[name].read_text(encoding="utf-8")))
+    for name, path in headers.items():
+        if layer_of(name) is not None and name not in named and declares_for_users(path.read_text(encoding="utf-8")):
+            yield f"{name}:1: declares names outside corotet::detail, but no face header includes it by name"
+
+
 def check_umbrella(headers, opt_in):
     if UMBRELLA not in headers:
         yield f"{UMBRELLA}:1: does not exist"
@@ -183,6 +209,7 @@ RULES = {
     "alone": check_alone,
     "forbidden": check_forbidden,
     "length": check_length,
+    "named": check_named,
     "umbrella": check_umbrella,
 }
 

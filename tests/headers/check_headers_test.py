@@ -118,6 +118,26 @@ static_assert(true); trap_on_assert(); at(i); std::snprintf(b, n, f); retry(); o
         dragged = files | {"corotet/face.hpp": "#include <corotet/detail/mesh/b.hpp>\n"}
         self.assertEqual(len(self.run_rule("alone", dragged)), 1)
 
+    def test_a_face_header_names_what_declares_names_outside_detail(self):
+        def header(space, code):
+            return f"namespace corotet::inline v0_1{space} {{\n{code}\n}}  // namespace corotet::inline v0_1{space}\n"
+
+        face = {"corotet/face.hpp": "#include <corotet/detail/core/a.hpp>\n", "corotet/detail/core/a.hpp": ""}
+        for for_users in [
+            header("", "struct S {};"),
+            header("", "using S = int;"),
+            header("", "namespace detail {\nstruct D {};\n}  // namespace detail\nvoid f();"),
+            header("::inline COROTET_ISA", "class L {\n};"),
+        ]:
+            self.assertEqual(len(self.run_rule("named", face | {"corotet/detail/core/b.hpp": for_users})), 1, for_users)
+            self.assertEqual(self.run_rule("named", face | {"corotet/detail/core/a.hpp": for_users}), [])
+        for internal in [
+            header("::detail", "struct D {};"),
+            header("", "struct S;\ntemplate <class T>\nclass C;"),
+            header("", "namespace detail {\nstruct D {};\n}  // namespace detail\n// struct S {};"),
+        ]:
+            self.assertEqual(self.run_rule("named", face | {"corotet/detail/core/b.hpp": internal}), [], internal)
+
     UMBRELLA = {
         "corotet/corotet.hpp": "#include <corotet/detail/core/macros_off.hpp>\n#include <vector>\n"
         "#include <corotet/detail/core/macros_on.hpp>\n#include <corotet/face.hpp>\n",

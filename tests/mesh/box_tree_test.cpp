@@ -42,7 +42,7 @@ TEST(BoxTree, FindsTheSameContainingBoxesAsBruteForce) {
   std::mt19937 random(1);
   Index found_in_all = 0;
   for (const std::vector<Box>& boxes : families(random)) {
-    const BoxTree tree(boxes);
+    const detail::BoxTree tree(boxes);
     for (int q = 0; q < 200; ++q) {
       Vec3<double> p = random_vector(random, 1.1);
       if (q % 4 == 0) p = boxes[at(q) % boxes.size()].low;  // corners belong to the box
@@ -68,15 +68,15 @@ TEST(BoxTree, FindsTheSameNearestDistanceAsBruteForce) {
       const Vec3<double> t = random_vector(random, 0.5) + Vec3<double>::Constant(0.5);
       primitives.push_back(box.low + t.cwiseProduct(box.high - box.low));
     }
-    const BoxTree tree(boxes);
+    const detail::BoxTree tree(boxes);
     for (int q = 0; q < 200; ++q) {
       const Vec3<double> p = random_vector(random, q % 2 == 0 ? 1 : 20);
       const auto squared_distance = [&](Index i) { return (primitives[at(i)] - p).squaredNorm(); };
       double expected = squared_distance(0);
       for (Index i = 1; i < size_of(boxes); ++i) expected = std::min(expected, squared_distance(i));
-      const NearestPrimitive nearest = tree.nearest(p, squared_distance);
+      const detail::NearestPrimitive nearest = tree.nearest(p, squared_distance);
       EXPECT_EQ(nearest.squared_distance, expected);
-      ASSERT_NE(nearest.primitive, NearestPrimitive::none);
+      ASSERT_NE(nearest.primitive, detail::NearestPrimitive::none);
       EXPECT_EQ(squared_distance(nearest.primitive), expected);
     }
   }
@@ -87,17 +87,17 @@ TEST(BoxTree, BoundsEverything) {
   for (const std::vector<Box>& boxes : families(random)) {
     Box all;
     for (const Box& box : boxes) all.add(box);
-    EXPECT_EQ(BoxTree(boxes).bounds().low, all.low);
-    EXPECT_EQ(BoxTree(boxes).bounds().high, all.high);
+    EXPECT_EQ(detail::BoxTree(boxes).bounds().low, all.low);
+    EXPECT_EQ(detail::BoxTree(boxes).bounds().high, all.high);
   }
 }
 
 TEST(BoxTree, EmptyTreeFindsNothing) {
-  const BoxTree tree{std::vector<Box>{}};
+  const detail::BoxTree tree{std::vector<Box>{}};
   EXPECT_TRUE(tree.empty());
   EXPECT_EQ(tree.for_each_containing({0, 0, 0}, [](Index) { FAIL(); }), 0);
-  const NearestPrimitive nearest = tree.nearest({0, 0, 0}, [](Index) { return 0.0; });
-  EXPECT_EQ(nearest.primitive, NearestPrimitive::none);
+  const detail::NearestPrimitive nearest = tree.nearest({0, 0, 0}, [](Index) { return 0.0; });
+  EXPECT_EQ(nearest.primitive, detail::NearestPrimitive::none);
   EXPECT_TRUE(std::isinf(nearest.squared_distance));
 }
 
@@ -110,7 +110,7 @@ double visits_per_query(Index n, bool nearest) {
     box.add(box.low + Vec3<double>::Constant(1.0 / n));
     boxes.push_back(box);
   }
-  const BoxTree tree(boxes);
+  const detail::BoxTree tree(boxes);
   std::mt19937 random(4);
   std::int64_t visited = 0;
   constexpr int queries = 500;

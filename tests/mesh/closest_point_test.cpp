@@ -17,8 +17,8 @@ class ClosestPoint : public ::testing::Test {
   /// The nearest point q of a convex set is the only one with (p - q).(v - q) <= 0 for every v of the set; for a
   /// simplex it is enough to look at its corners. `size` is the scale of the coordinates.
   template <std::size_t N>
-  void expect_nearest(const SimplexPoint<N>& q, const std::array<Vec3<double>, N>& corners, const Vec3<double>& p,
-                      double size) {
+  void expect_nearest(const detail::SimplexPoint<N>& q, const std::array<Vec3<double>, N>& corners,
+                      const Vec3<double>& p, double size) {
     const double rounding = 1e-13 * size * size;
     EXPECT_NEAR(std::accumulate(q.barycentric.begin(), q.barycentric.end(), 0.0), 1, 1e-9);
     Vec3<double> x = Vec3<double>::Zero();
@@ -38,7 +38,7 @@ class ClosestPoint : public ::testing::Test {
 TEST_F(ClosestPoint, OfSegmentsSatisfiesTheProjectionLaw) {
   for (int i = 0; i < 2000; ++i) {
     const Vec3<double> a = random_vector(1), b = i % 10 == 0 ? a : random_vector(1), p = random_vector(2);
-    expect_nearest<2>(closest_on_segment(a, b, p), {a, b}, p, 2);
+    expect_nearest<2>(detail::closest_on_segment(a, b, p), {a, b}, p, 2);
   }
 }
 
@@ -49,12 +49,12 @@ TEST_F(ClosestPoint, OfTrianglesSatisfiesTheProjectionLaw) {
     Vec3<double> b = random_vector(1), c = random_vector(1);
     if (i % 10 == 0) c = a + 0.25 * (b - a);  // on a line, to rounding
     if (i % 50 == 0) b = c = a;
-    const SimplexPoint<3> q = closest_on_triangle(a, b, c, p);
+    const detail::SimplexPoint<3> q = detail::closest_on_triangle(a, b, c, p);
     if (i % 10 != 0) {
       expect_nearest<3>(q, {a, b, c}, p, 2);
       inside += q.barycentric[0] > 0 && q.barycentric[1] > 0 && q.barycentric[2] > 0;
     } else {
-      EXPECT_NEAR(q.squared_distance, closest_on_segment(a, b, p).squared_distance, 1e-12);
+      EXPECT_NEAR(q.squared_distance, detail::closest_on_segment(a, b, p).squared_distance, 1e-12);
     }
   }
   EXPECT_GT(inside, 100);
@@ -66,7 +66,7 @@ TEST_F(ClosestPoint, OfTetrahedraSatisfiesTheProjectionLaw) {
     std::array<Vec3<double>, 4> x;
     for (Vec3<double>& v : x) v = random_vector(1);
     const Vec3<double> p = random_vector(i % 2 == 0 ? 0.5 : 2);
-    const SimplexPoint<4> q = closest_on_tetrahedron(x, p);
+    const detail::SimplexPoint<4> q = detail::closest_on_tetrahedron(x, p);
     expect_nearest<4>(q, x, p, 2);
     inside += q.squared_distance == 0;
   }
@@ -81,16 +81,16 @@ TEST_F(ClosestPoint, OfAFlatTetrahedronIsOnItsFaces) {
       v[2] = 0.5;
     }
     const Vec3<double> p = random_vector(2);
-    expect_nearest<4>(closest_on_tetrahedron(x, p), x, p, 2);
+    expect_nearest<4>(detail::closest_on_tetrahedron(x, p), x, p, 2);
   }
 }
 
 TEST_F(ClosestPoint, BarycentricCoordinatesAreExactlyZeroOffTheFeature) {
   const Vec3<double> a(0, 0, 0), b(1, 0, 0), c(0, 1, 0);
-  EXPECT_EQ(closest_on_triangle(a, b, c, {-1, -1, 3}).barycentric, (std::array<double, 3>{1, 0, 0}));
-  EXPECT_EQ(closest_on_triangle(a, b, c, {0.25, -2, 1}).barycentric, (std::array<double, 3>{0.75, 0.25, 0}));
-  EXPECT_EQ(closest_on_triangle(a, b, c, {2, 2, 0}).barycentric, (std::array<double, 3>{0, 0.5, 0.5}));
-  EXPECT_EQ(closest_on_triangle(a, b, c, {0.25, 0.5, 0}).squared_distance, 0);
+  EXPECT_EQ(detail::closest_on_triangle(a, b, c, {-1, -1, 3}).barycentric, (std::array<double, 3>{1, 0, 0}));
+  EXPECT_EQ(detail::closest_on_triangle(a, b, c, {0.25, -2, 1}).barycentric, (std::array<double, 3>{0.75, 0.25, 0}));
+  EXPECT_EQ(detail::closest_on_triangle(a, b, c, {2, 2, 0}).barycentric, (std::array<double, 3>{0, 0.5, 0.5}));
+  EXPECT_EQ(detail::closest_on_triangle(a, b, c, {0.25, 0.5, 0}).squared_distance, 0);
 }
 
 }  // namespace

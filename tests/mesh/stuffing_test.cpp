@@ -55,8 +55,8 @@ MeshData stuff(const Function& f, double half, double size) {
   return std::move(mesh).value();
 }
 
-SurfaceTopology boundary_topology(const MeshData& mesh) {
-  return surface_topology(extract_boundary(mesh).value().triangles, mesh.positions.size());
+detail::SurfaceTopology boundary_topology(const MeshData& mesh) {
+  return detail::surface_topology(extract_boundary(mesh).value().triangles, mesh.positions.size());
 }
 
 /// The bounds that Labelle & Shewchuk 2007 give for the best warping limits.
@@ -125,10 +125,10 @@ TEST(Stuffing, VolumeAndSurfaceConvergeWithOrderTwo) {
 }
 
 TEST(Stuffing, BoundaryIsClosedAndHasTheTopologyOfTheShape) {
-  EXPECT_EQ(boundary_topology(stuff(sphere, 1.1, 0.15)), (SurfaceTopology{1, 2}));
-  EXPECT_EQ(boundary_topology(stuff(torus, 1.45, 0.12)), (SurfaceTopology{1, 0}));
+  EXPECT_EQ(boundary_topology(stuff(sphere, 1.1, 0.15)), (detail::SurfaceTopology{1, 2}));
+  EXPECT_EQ(boundary_topology(stuff(torus, 1.45, 0.12)), (detail::SurfaceTopology{1, 0}));
   const auto shell = [](const Vec3<double>& p) { return std::abs(p.norm() - 0.8) - 0.2; };
-  EXPECT_EQ(boundary_topology(stuff(shell, 1.1, 0.1)), (SurfaceTopology{2, 4}));
+  EXPECT_EQ(boundary_topology(stuff(shell, 1.1, 0.1)), (detail::SurfaceTopology{2, 4}));
 }
 
 TEST(Stuffing, BoundaryVerticesLieOnTheSurface) {
@@ -200,7 +200,7 @@ TEST(StuffingSurface, SignedDistanceOfABlockIsExact) {
   for (const bool turned : {false, true}) {
     if (turned)
       for (auto& t : surface.triangles) std::swap(t[0], t[1]);
-    const auto distance = SignedDistance::create(surface);
+    const auto distance = detail::SignedDistance::create(surface);
     ASSERT_TRUE(distance.ok()) << distance.error().message();
     EXPECT_EQ(distance->turned(), turned);
     std::mt19937 random(2);
@@ -219,7 +219,7 @@ TEST(StuffingSurface, SignedDistanceOfABlockIsExact) {
 // At 1e100 m all is still computed; beyond, the squared distance would overflow and no triangle be nearest.
 TEST(StuffingSurface, SurfacesOfAnySizeAreMeasuredOrRefused) {
   for (const double size : {1e-90, 1e90, 1e99}) {
-    const auto distance = SignedDistance::create(block_surface(Vec3<double>::Constant(size)));
+    const auto distance = detail::SignedDistance::create(block_surface(Vec3<double>::Constant(size)));
     ASSERT_TRUE(distance.ok()) << distance.error().message();
     EXPECT_NEAR((*distance)(Vec3<double>::Zero()) / size, -0.5, 1e-12);
     EXPECT_NEAR((*distance)(Vec3<double>(2 * size, 0, 0)) / size, 1.5, 1e-12);
@@ -243,7 +243,7 @@ TEST(StuffingSurface, FillsAClosedSurface) {
   const auto mesh = stuff_surface(surface, options);
   ASSERT_TRUE(mesh.ok()) << mesh.error().message();
   expect_good_angles(*mesh);
-  EXPECT_EQ(boundary_topology(*mesh), (SurfaceTopology{1, 0}));
+  EXPECT_EQ(boundary_topology(*mesh), (detail::SurfaceTopology{1, 0}));
   const double volume = measure_quality(source)->total_volume;
   EXPECT_NEAR(measure_quality(*mesh)->total_volume, volume, 0.02 * volume);
   EXPECT_EQ(mesh->notes.size(), 1u) << mesh->notes.back();
@@ -259,7 +259,7 @@ TEST(StuffingSurface, PerforationIsReported) {
   ASSERT_TRUE(thin.ok()) << thin.error().message();
   ASSERT_GE(thin->notes.size(), 2u);
   EXPECT_NE(thin->notes[1].find("perforated"), std::string::npos) << thin->notes[1];
-  EXPECT_NE(boundary_topology(*thin), (SurfaceTopology{1, 2}));
+  EXPECT_NE(boundary_topology(*thin), (detail::SurfaceTopology{1, 2}));
   options.size = 0.04;
   const auto fine = stuff_surface(plate, options);
   ASSERT_TRUE(fine.ok()) << fine.error().message();

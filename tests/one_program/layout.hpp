@@ -21,10 +21,10 @@ std::vector<std::pair<std::size_t, std::size_t>> sizes() {
 inline std::vector<std::pair<std::size_t, std::size_t>> layout() {
   return sizes<Vec3<float>, Mat3<double>, Matrix<double, 4, 4>, Matrix<float, 6, 6>, Lanes<float>, Lanes<double>,
                LaneMask<float>, LaneMask<double>, PaddedVector<float>, PaddedVector<double>, TetMesh<float, Tet10>,
-               SoftBody<float, Tet4>, SoftBody<double, Tet10>, ElementBatch<float, Tet4>, ElementBatch<double, Tet10>,
-               AutoSolver<float>, AutoSolver<double>, ImplicitEuler<SoftBody<float, Tet4>>,
-               Bdf2<SoftBody<double, Tet10>>, EmbeddedSurface<float, Tet4>, EmbeddedSurface<double, Tet10>,
-               detail::ElementMotion<float, Tet4>, detail::ElementMotion<double, Tet4>,
+               SoftBody<float, Tet4>, SoftBody<double, Tet10>, detail::ElementBatch<float, Tet4>,
+               detail::ElementBatch<double, Tet10>, AutoSolver<float>, AutoSolver<double>,
+               ImplicitEuler<SoftBody<float, Tet4>>, Bdf2<SoftBody<double, Tet10>>, EmbeddedSurface<float, Tet4>,
+               EmbeddedSurface<double, Tet10>, detail::ElementMotion<float, Tet4>, detail::ElementMotion<double, Tet4>,
                detail::ElementMotion<float, Tet10>, detail::ElementMotion<double, Tet10>, StepReport, Material>();
 }
 

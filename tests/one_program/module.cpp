@@ -2,4 +2,4 @@
 #include <corotet/detail/core/revision.hpp>
 
 __attribute__((visibility("default"))) corotet::Revision MODULE_REVISION();
-corotet::Revision MODULE_REVISION() { return corotet::new_revision(); }
+corotet::Revision MODULE_REVISION() { return corotet::detail::new_revision(); }

@@ -29,7 +29,8 @@ TEST(OneProgram, PassesBodiesBetweenSourcesOfDifferentFlags) {
 TEST(OneProgram, HasNoTwoEqualRevisions) {
   std::vector<Revision> all;
   for (int k = 0; k < 5; ++k)
-    for (const Revision& r : {new_revision(), first_module_revision(), second_module_revision()}) all.push_back(r);
+    for (const Revision& r : {detail::new_revision(), first_module_revision(), second_module_revision()})
+      all.push_back(r);
   for (std::size_t i = 0; i < all.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) EXPECT_FALSE(all[i] == all[j]);
   EXPECT_EQ(first_module_revision().number, second_module_revision().number) << "the case must tell";

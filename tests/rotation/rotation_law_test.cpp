@@ -189,7 +189,7 @@ TYPED_TEST(PolarLaw, BatchAgreesWithTheRobustForm) {
     const Mat3<Scalar> f = (random.rotation() + random.matrix(0.2)).template cast<Scalar>();
     const Vec3<double> sigma = Eigen::JacobiSVD<Eigen::Matrix3d>(as_eigen(f).template cast<double>()).singularValues();
     if (f.determinant() < 0 || sigma[2] < 0.1) continue;  // the rotation itself is ill-determined there
-    ASSERT_LT((extract_rotation<Polar, Scalar>(f) - polar_robust<Scalar>(f)).norm(),
+    ASSERT_LT((extract_rotation<Polar, Scalar>(f) - detail::polar_robust<Scalar>(f)).norm(),
               100 * std::numeric_limits<Scalar>::epsilon());
   }
 }
@@ -219,7 +219,7 @@ template <class Scalar>
 Mat3<Scalar> rotation_of_gradient(const Mat3<Scalar>& f) {
   Mat3Lanes<Scalar> lanes, r;
   for (int l = 0; l < lane_count<Scalar>; ++l) lanes.set_lane(l, f);
-  extract_from_gradient<Polar>(lanes, r);
+  detail::extract_from_gradient<Polar>(lanes, r);
   return r.lane(lane_count<Scalar> - 1);
 }
 
@@ -264,7 +264,7 @@ TYPED_TEST(PolarLaw, APreferenceAmongNearlyEqualRotationsChangesLittle) {
   using Scalar = TypeParam;
   Random random(9);
   const auto epsilon = static_cast<double>(std::numeric_limits<Scalar>::epsilon());
-  const double clear = clear_choice(1.0);
+  const double clear = detail::clear_choice(1.0);
   double most = 0;
   for (int i = 0; i < 20'000; ++i) {
     const double size = std::pow(10.0, random.uniform(-2, 2.5)), gap = clear * std::pow(10.0, random.uniform(-3, 2));
@@ -287,20 +287,21 @@ TYPED_TEST(PolarLaw, APreferenceAmongNearlyEqualRotationsChangesLittle) {
 TYPED_TEST(PolarLaw, APreferenceAmongNearlyEqualRotationsFadesIn) {
   using Scalar = TypeParam;
   Random random(10);
-  const double clear = clear_choice(1.0), epsilon = static_cast<double>(std::numeric_limits<Scalar>::epsilon());
+  const double clear = detail::clear_choice(1.0), epsilon = static_cast<double>(std::numeric_limits<Scalar>::epsilon());
   for (int i = 0; i < 10'000; ++i) {
     const double size = std::pow(10.0, random.uniform(-2, 1));
     const NearTie at_clear(random, size, clear * random.uniform(0.98, 1.02));
     const Mat3<Scalar> edge = at_clear.f.cast<Scalar>();
     const double determined = at_clear.stretches[0] * epsilon / clear;
-    ASSERT_LT((polar_robust<Scalar>(edge, 1) - polar_robust<Scalar>(edge)).norm(), 1e-3 + 64 * determined)
+    ASSERT_LT((detail::polar_robust<Scalar>(edge, 1) - detail::polar_robust<Scalar>(edge)).norm(),
+              1e-3 + 64 * determined)
         << as_eigen(at_clear.stretches).transpose();
-    const Mat3<Scalar> q = polar_robust<Scalar>(edge);  // stationary: the nearest to itself
-    ASSERT_LT((polar_near<Scalar>(edge, q, 1) - q).norm(), 1e-3 + 64 * determined)
+    const Mat3<Scalar> q = detail::polar_robust<Scalar>(edge);  // stationary: the nearest to itself
+    ASSERT_LT((detail::polar_near<Scalar>(edge, q, 1) - q).norm(), 1e-3 + 64 * determined)
         << as_eigen(at_clear.stretches).transpose();
     const NearTie tie(random, size, clear * std::pow(10.0, random.uniform(-1, 1)));
     const Mat3<Scalar> f = tie.f.cast<Scalar>();
-    ASSERT_LT((rotation_of_gradient<Scalar>(f) - polar_robust<Scalar>(f, 1)).norm(),
+    ASSERT_LT((rotation_of_gradient<Scalar>(f) - detail::polar_robust<Scalar>(f, 1)).norm(),
               64 * tie.stretches[0] * epsilon / clear)
         << as_eigen(tie.stretches).transpose();
   }
@@ -310,12 +311,12 @@ TYPED_TEST(PolarLaw, APreferenceAmongNearlyEqualRotationsFadesIn) {
 TYPED_TEST(PolarLaw, AStationaryRotationNearAnotherIsStationary) {
   using Scalar = TypeParam;
   Random random(11);
-  const double clear = clear_choice(1.0), epsilon = static_cast<double>(std::numeric_limits<Scalar>::epsilon());
+  const double clear = detail::clear_choice(1.0), epsilon = static_cast<double>(std::numeric_limits<Scalar>::epsilon());
   for (int i = 0; i < 10'000; ++i) {
     const Mat3<Scalar> near = random.rotation().template cast<Scalar>();
-    EXPECT_EQ(polar_near<Scalar>(Mat3<Scalar>::Zero(), near, 1), near);
+    EXPECT_EQ(detail::polar_near<Scalar>(Mat3<Scalar>::Zero(), near, 1), near);
     const NearTie tie(random, 1, clear * std::pow(10.0, random.uniform(-3, 2)));
-    const Mat3<double> r = polar_near<Scalar>(tie.f.cast<Scalar>(), near, 1).template cast<double>();
+    const Mat3<double> r = detail::polar_near<Scalar>(tie.f.cast<Scalar>(), near, 1).template cast<double>();
     ASSERT_LT(distance_from_rotation(r.template cast<Scalar>()), 16 * epsilon);
     const Mat3<double> s = r.transpose() * tie.f;
     ASSERT_LT((s - s.transpose()).norm(), clear / 20 + 64 * epsilon) << as_eigen(tie.stretches).transpose();

@@ -106,7 +106,7 @@ TYPED_TEST(SolverMemory, TheDefaultSolverOwnsOneFactorAndAFewVectors) {
   const BeamSystem<Scalar, typename TypeParam::Element> beam({6, 3, 3});
   AutoSolver<Scalar> solver;
   solver.analyze(beam.matrix.shared_pattern(), beam.rest());
-  const SymbolicFactor factor(beam.matrix.pattern());
+  const detail::SymbolicFactor factor(beam.matrix.pattern());
   const std::size_t vector = sizeof(PaddedVector<Scalar>) * beam.rest().size();
   EXPECT_LT(solver.memory().owned, 9 * sizeof(double) * factor.blocks + 20 * vector + 10000);
 }

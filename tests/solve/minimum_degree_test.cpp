@@ -74,18 +74,18 @@ std::vector<Index> order_by_eigen(const BlockPattern& pattern) {
 
 /// Blocks of L in that order, the diagonal included.
 std::size_t fill(const BlockPattern& pattern, std::vector<Index> order) {
-  return SymbolicFactor(pattern, std::move(order)).blocks;
+  return detail::SymbolicFactor(pattern, std::move(order)).blocks;
 }
 
 /// The least that a factor can have: the lower triangle of the matrix.
 std::size_t lower_blocks(const BlockPattern& pattern) { return at(pattern.blocks() + pattern.rows()) / 2; }
 
 void expect_lawful(const BlockPattern& pattern) {
-  const std::vector<Index> order = MinimumDegree::order(pattern);
+  const std::vector<Index> order = detail::MinimumDegree::order(pattern);
   std::vector<Index> sorted = order;
   std::sort(sorted.begin(), sorted.end());
   ASSERT_EQ(sorted, natural_order(pattern)) << "not a permutation";
-  EXPECT_EQ(MinimumDegree::order(pattern), order);
+  EXPECT_EQ(detail::MinimumDegree::order(pattern), order);
 }
 
 constexpr std::array both_splits{BlockSplit::kuhn6, BlockSplit::alternating5};
@@ -113,7 +113,7 @@ TEST(MinimumDegree, GivesAPermutationForRandomGraphs) {
     }
     const BlockPattern pattern = pattern_of(vertices + static_cast<Index>(random.uniform(0, 5)), edges);
     expect_lawful(pattern);
-    EXPECT_LE(fill(pattern, MinimumDegree::order(pattern)), fill(pattern, order_by_eigen(pattern)) * 5 / 4 + 5)
+    EXPECT_LE(fill(pattern, detail::MinimumDegree::order(pattern)), fill(pattern, order_by_eigen(pattern)) * 5 / 4 + 5)
         << "blocks " << pattern.blocks();
   }
 }
@@ -142,7 +142,7 @@ TEST(MinimumDegree, FillsNothingInTreesAndDenseGraphs) {
   for (const auto* edges : {&path, &star, &tree, &dense}) {
     const BlockPattern pattern = pattern_of(n, *edges);
     expect_lawful(pattern);
-    EXPECT_EQ(fill(pattern, MinimumDegree::order(pattern)), lower_blocks(pattern));
+    EXPECT_EQ(fill(pattern, detail::MinimumDegree::order(pattern)), lower_blocks(pattern));
   }
 }
 
@@ -153,7 +153,7 @@ TEST(MinimumDegree, FillsAboutAsLittleAsEigensOrder) {
       for (const bool quadratic : {false, true}) {
         if (quadratic && cells[1] > 4) continue;
         const BlockPattern pattern = quadratic ? beam<Tet10>(cells, split) : beam<Tet4>(cells, split);
-        const std::size_t ours = fill(pattern, MinimumDegree::order(pattern)),
+        const std::size_t ours = fill(pattern, detail::MinimumDegree::order(pattern)),
                           eigens = fill(pattern, order_by_eigen(pattern));
         std::printf("%s %d x %d x %d cells, order %d: %.3f of the blocks\n",
                     split == BlockSplit::kuhn6 ? "Kuhn" : "alternating", cells[0], cells[1], cells[2],
@@ -166,7 +166,7 @@ TEST(MinimumDegree, FillsAboutAsLittleAsEigensOrder) {
 TEST(MinimumDegree, FillsFarLessThanTheOrderOfAGrid) {
   for (const BlockSplit split : both_splits) {
     const BlockPattern pattern = beam<Tet4>({40, 6, 6}, split);
-    EXPECT_LT(fill(pattern, MinimumDegree::order(pattern)), fill(pattern, natural_order(pattern)) / 4);
+    EXPECT_LT(fill(pattern, detail::MinimumDegree::order(pattern)), fill(pattern, natural_order(pattern)) / 4);
   }
 }
 

@@ -302,7 +302,7 @@ TEST(BlockJacobi, InvertsBlocksOfAnyMagnitude) {
 TEST(Aggregates, ArePartitionsOfNearlyEqualSize) {
   const Field<double> points = testing::random_field<double>(1000, 1, 9);
   for (const Index count : {1, 2, 7, 64, 999, 1000}) {
-    const Aggregates aggregates = Aggregates::of_positions(points, count);
+    const detail::Aggregates aggregates = detail::Aggregates::of_positions(points, count);
     ASSERT_EQ(aggregates.count(), count);
     std::set<Index> seen;
     for (Index a = 0; a < count; ++a) {

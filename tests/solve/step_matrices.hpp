@@ -28,7 +28,7 @@ struct BeamSystem {
     const Material material{.young = young, .poisson = 0.3, .density = 1000};
     const Elasticity<Scalar, Element> law(mesh, material);
     const auto pattern = std::make_shared<const BlockPattern>(BlockPattern::of(mesh.elements(), mesh.vertex_count()));
-    ElasticEvaluation<Scalar, Element> state(law);
+    detail::ElasticEvaluation<Scalar, Element> state(law);
     SerialExecutor serial;
     law.evaluate(displacement, state, serial);
     matrix = BlockMatrix<Scalar>(pattern);

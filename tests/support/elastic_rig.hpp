@@ -15,8 +15,6 @@ namespace corotet::testing {
 
 inline constexpr Material rubber{.young = 3e4, .poisson = 0.35, .density = 900};
 
-namespace detail {
-
 template <class Scalar, class Element, class Law>
 struct ElasticOf {
   using type = Law;
@@ -26,13 +24,11 @@ struct ElasticOf<Scalar, Element, Law> {
   using type = Elasticity<Scalar, Element, Law>;
 };
 
-}  // namespace detail
-
 /// `Law`: an ElasticModel or a rotation law, or a class with the interface of Elasticity.
 template <class Scalar, class Element, class Law = Polar>
 struct Rig {
   TetMesh<Scalar, Element> mesh;
-  using Elastic = typename detail::ElasticOf<Scalar, Element, Law>::type;
+  using Elastic = typename ElasticOf<Scalar, Element, Law>::type;
   Elastic law;
   std::shared_ptr<const BlockPattern> pattern;
   typename Elastic::Evaluation state;
@@ -58,7 +54,7 @@ struct Rig {
     const Mass<Scalar> mass(mesh, rubber, MassModel::lumped, *pattern);
     BlockMatrix<Scalar> k(pattern);
     assemble(law, state, mass, Scalar(0), Scalar(1), k, serial);
-    if (state.twist.active_share() > 0) add_twist(law, state, Scalar(1), k, serial);
+    if (state.twist.active_share() > 0) detail::add_twist(law, state, Scalar(1), k, serial);
     return k;
   }
 

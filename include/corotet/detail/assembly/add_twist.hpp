@@ -7,9 +7,7 @@
 #include <corotet/detail/core/types.hpp>
 #include <cstddef>
 
-namespace corotet::inline v0_1 {
-
-namespace detail {
+namespace corotet::inline v0_1::detail {
 
 /// mu V [g_a]x H [g_b]x^T of an element at point q, with the nodes that are number `row` and `column`.
 template <std::floating_point Scalar, class Evaluation>
@@ -51,9 +49,9 @@ void add_twist_modes(const Law& law, const typename Law::Evaluation& state, Scal
         if (h.isZero()) continue;
         for (std::size_t a = 0; a < n; ++a)
           for (std::size_t b = a; b < n; ++b)
-            detail::add_symmetric<Scalar>(matrix, p.slot(vertex[a][lane], vertex[b][lane]),
-                                          p.slot(vertex[b][lane], vertex[a][lane]),
-                                          detail::twist_block<Scalar>(state, q, h, at(e) * n + a, at(e) * n + b));
+            add_symmetric<Scalar>(matrix, p.slot(vertex[a][lane], vertex[b][lane]),
+                                  p.slot(vertex[b][lane], vertex[a][lane]),
+                                  twist_block<Scalar>(state, q, h, at(e) * n + a, at(e) * n + b));
       }
     return;
   }
@@ -64,14 +62,12 @@ void add_twist_modes(const Law& law, const typename Law::Evaluation& state, Scal
         const std::size_t code = at(p.contribution[at(c)]), row = code / n, element = row / n;
         for (std::size_t q = 0; q < points; ++q)
           if (state.twist.any(q, element))
-            sum += detail::twist_block<Scalar>(state, q, state.twist.matrix(q, element), row, element * n + code % n);
+            sum += twist_block<Scalar>(state, q, state.twist.matrix(q, element), row, element * n + code % n);
       }
-      detail::add_symmetric<Scalar>(matrix, p.upper[at(u)].slot, p.upper[at(u)].mirror, factor * sum);
+      add_symmetric<Scalar>(matrix, p.upper[at(u)].slot, p.upper[at(u)].mirror, factor * sum);
     }
   });
 }
-
-}  // namespace detail
 
 /// matrix += factor * (the twist modes of the evaluated state, N/m). Keeps both triangles bitwise mirror images.
 /// Batches without any are skipped; see TwistModes::active_share for bodies without any. Nothing for laws that have
@@ -79,7 +75,7 @@ void add_twist_modes(const Law& law, const typename Law::Evaluation& state, Scal
 template <std::floating_point Scalar, class Law>
 void add_twist(const Law& law, const typename Law::Evaluation& state, Scalar factor, BlockMatrix<Scalar>& matrix,
                ExecutorRef executor) {
-  if constexpr (Law::has_twist_modes) detail::add_twist_modes(law, state, factor, matrix, executor);
+  if constexpr (Law::has_twist_modes) add_twist_modes(law, state, factor, matrix, executor);
 }
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

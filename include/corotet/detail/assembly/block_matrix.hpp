@@ -19,42 +19,51 @@ namespace corotet::inline v0_1 {
 template <std::floating_point Scalar, int B = 3>
 class BlockMatrix {
  public:
-  using scalar_type = Scalar;
-  using Block = Matrix<Scalar, B, B>;
+  using scalar_type = Scalar;          ///< the type of its numbers
+  using Block = Matrix<Scalar, B, B>;  ///< the type of its blocks
 
   BlockMatrix() = default;
+  /// Zero on the pattern, which must not be null.
   explicit BlockMatrix(std::shared_ptr<const BlockPattern> pattern)
       : pattern_(std::move(pattern)), value_(block_size * at(pattern_->blocks()) + padding, Scalar(0)) {}
 
+  /// Which blocks are stored.
   [[nodiscard]] const BlockPattern& pattern() const { return *pattern_; }
 
+  /// The same, to be shared with other matrices.
   [[nodiscard]] const std::shared_ptr<const BlockPattern>& shared_pattern() const { return pattern_; }
 
   /// Block rows, one a vertex.
   [[nodiscard]] Index rows() const { return pattern_->rows(); }
 
   /// A block, column-major in memory.
-  [[nodiscard]] MatrixView<Scalar, B, B> block(Index slot) { return MatrixView<Scalar, B, B>(values(slot)); }
+  [[nodiscard]] detail::MatrixView<Scalar, B, B> block(Index slot) {
+    return detail::MatrixView<Scalar, B, B>(values(slot));
+  }
+  /// The block in slot `slot` of the pattern.
   [[nodiscard]] Block block(Index slot) const { return Block::load(values(slot)); }
+  /// The block on the diagonal of a row.
   [[nodiscard]] Block diagonal(Index row) const { return block(pattern_->diagonal[at(row)]); }
 
   /// The numbers of a block and of those behind it; at least three more can be read after the last.
   [[nodiscard]] Scalar* values(Index slot) { return value_.data() + block_size * at(slot); }
+  /// The numbers of the block in slot `slot`, by columns.
   [[nodiscard]] const Scalar* values(Index slot) const { return value_.data() + block_size * at(slot); }
 
-  /// (A x) of one block row; the fourth number of the Quad is zero.
+  /// (A x) of one block row; the fourth number is zero.
   template <class FieldType>
-  [[nodiscard]] COROTET_ALWAYS_INLINE Vec4<Scalar> row_product(Index row, const FieldType& x) const
+  [[nodiscard]] COROTET_ALWAYS_INLINE detail::Vec4<Scalar> row_product(Index row, const FieldType& x) const
     requires(B == 3)
   {
     // Three columns of each of two blocks: six chains of additions, or their latency is what takes the time.
-    std::array<Vec4<Scalar>, 6> sum;
-    sum.fill(Vec4<Scalar>(Scalar(0)));
+    std::array<detail::Vec4<Scalar>, 6> sum;
+    sum.fill(detail::Vec4<Scalar>(Scalar(0)));
     const auto add = [&](Index k, std::size_t first) {
       const Scalar* a = values(k);
       const Scalar* v = x[at(pattern_->column[at(k)])].data();
       COROTET_UNROLL
-      for (std::size_t c = 0; c < 3; ++c) sum[first + c] += Vec4<Scalar>::load(a + 3 * c) * Vec4<Scalar>(v[c]);
+      for (std::size_t c = 0; c < 3; ++c)
+        sum[first + c] += detail::Vec4<Scalar>::load(a + 3 * c) * detail::Vec4<Scalar>(v[c]);
     };
     const Index end = pattern_->row_start[at(row) + 1];
     Index k = pattern_->row_start[at(row)];
@@ -68,18 +77,18 @@ class BlockMatrix {
 
   /// Sum over j of A_ij (x_j - x_i): (A x)_i for a matrix whose rows sum to zero, free of the rounding that a rigid
   /// translation in x would cause.
-  [[nodiscard]] COROTET_ALWAYS_INLINE Vec4<Scalar> row_difference(Index row, const Field<Scalar>& x) const
+  [[nodiscard]] COROTET_ALWAYS_INLINE detail::Vec4<Scalar> row_difference(Index row, const Field<Scalar>& x) const
     requires(B == 3)
   {
-    std::array<Vec4<Scalar>, 3> sum;
-    sum.fill(Vec4<Scalar>(Scalar(0)));
+    std::array<detail::Vec4<Scalar>, 3> sum;
+    sum.fill(detail::Vec4<Scalar>(Scalar(0)));
     const Vec3<Scalar> here = x[at(row)];
     for (Index k = pattern_->row_start[at(row)]; k < pattern_->row_start[at(row) + 1]; ++k) {
       const Scalar* a = values(k);
       const Vec3<Scalar> v = x[at(pattern_->column[at(k)])] - here;
       COROTET_UNROLL
       for (std::size_t c = 0; c < 3; ++c)
-        sum[c] += Vec4<Scalar>::load(a + 3 * c) * Vec4<Scalar>(v[static_cast<int>(c)]);
+        sum[c] += detail::Vec4<Scalar>::load(a + 3 * c) * detail::Vec4<Scalar>(v[static_cast<int>(c)]);
     }
     return (sum[0] + sum[1] + sum[2]).first_three();
   }
@@ -129,7 +138,7 @@ class BlockMatrix {
   }
 
   /// Of the values; the pattern is shared.
-  [[nodiscard]] std::size_t bytes() const { return bytes_of(value_); }
+  [[nodiscard]] std::size_t bytes() const { return detail::bytes_of(value_); }
 
  private:
   static constexpr std::size_t block_size = std::size_t{B} * B;

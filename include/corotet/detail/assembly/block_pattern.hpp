@@ -18,8 +18,9 @@ struct Stencils {
   std::vector<Index> start;   ///< groups + 1 entries, or none
   std::vector<Index> vertex;  ///< at most `max_vertices` a group
 
-  static constexpr Index max_vertices = 16;
+  static constexpr Index max_vertices = 16;  ///< of one stencil
 
+  /// Number of stencils.
   [[nodiscard]] Index count() const { return start.empty() ? 0 : size_of(start) - 1; }
 };
 
@@ -36,7 +37,7 @@ struct BlockPattern {
     Index slot;    ///< its place in `column`
     Index mirror;  ///< the place of block (col, row); the same as `slot` on the diagonal
   };
-  std::vector<UpperBlock> upper;
+  std::vector<UpperBlock> upper;          ///< those blocks
   std::vector<Index> contribution_start;  ///< upper.size() + 1 entries
   std::vector<Index> contribution;        ///< (element * nodes + a) * nodes + b
 
@@ -46,6 +47,7 @@ struct BlockPattern {
 
   /// Places in Stencils::vertex of the row and the column of a group's contribution.
   [[nodiscard]] static std::size_t row_of_stencil(Index code) { return at(code / code_range); }
+  /// The place of the column: see row_of_stencil.
   [[nodiscard]] static std::size_t column_of_stencil(Index code) {
     return at(code / code_range + code % code_range - Stencils::max_vertices);
   }
@@ -55,13 +57,17 @@ struct BlockPattern {
   std::vector<Index> incidence_start;  ///< n + 1 entries
   std::vector<Index> incidence;        ///< element * nodes + a, ascending, for each vertex
 
+  /// Number of block rows.
   [[nodiscard]] Index rows() const { return size_of(diagonal); }
+  /// Number of stored blocks, both triangles and the diagonal.
   [[nodiscard]] Index blocks() const { return size_of(column); }
 
+  /// Bytes on the heap.
   [[nodiscard]] std::size_t bytes() const {
-    return bytes_of(row_start) + bytes_of(column) + bytes_of(diagonal) + bytes_of(upper) +
-           bytes_of(contribution_start) + bytes_of(contribution) + bytes_of(stencil_contribution_start) +
-           bytes_of(stencil_contribution) + bytes_of(incidence_start) + bytes_of(incidence);
+    return detail::bytes_of(row_start) + detail::bytes_of(column) + detail::bytes_of(diagonal) +
+           detail::bytes_of(upper) + detail::bytes_of(contribution_start) + detail::bytes_of(contribution) +
+           detail::bytes_of(stencil_contribution_start) + detail::bytes_of(stencil_contribution) +
+           detail::bytes_of(incidence_start) + detail::bytes_of(incidence);
   }
 
   /// The slot of block (row, col), which must be there.

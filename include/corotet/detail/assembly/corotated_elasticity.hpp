@@ -28,7 +28,7 @@
 #include <optional>
 #include <span>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// The elastic law of a body of the material Corotated<Rotation>, by kernels that use what this material's tangent is
 /// made of. What depends on the displacement is written into an ElasticEvaluation, so that one law can serve several
@@ -60,7 +60,7 @@ class CorotatedElasticity {
   /// `materials` must pass Materials::validate for this mesh.
   COROTET_COLD CorotatedElasticity(const TetMesh<Scalar, Element>& mesh, const Materials& materials,
                                    VolumetricStrain volumetric_strain = VolumetricStrain::pointwise)
-      : elements_(mesh.element_count()), batches_(detail::rest_batches(mesh)), mean_(mesh, volumetric_strain) {
+      : elements_(mesh.element_count()), batches_(rest_batches(mesh)), mean_(mesh, volumetric_strain) {
     set_materials(materials);
   }
 
@@ -85,7 +85,7 @@ class CorotatedElasticity {
   [[nodiscard]] Index element_count() const { return elements_; }
   /// The lambda / mu that acts at quadrature points, if it is the same in all elements.
   [[nodiscard]] std::optional<Scalar> common_lame_ratio() const { return common_lame_ratio_; }
-  [[nodiscard]] const detail::Buffer<Batch>& batches() const { return batches_; }
+  [[nodiscard]] const Buffer<Batch>& batches() const { return batches_; }
   [[nodiscard]] const MeanDilatation<Scalar, Element>& mean_dilatation() const { return mean_; }
   /// Vertices that the matrix couples besides those of an element: for BlockPattern::of.
   [[nodiscard]] const Stencils& stencils() const { return mean_.patches().vertices; }
@@ -105,14 +105,14 @@ class CorotatedElasticity {
 
   /// W, J: summed in double, in an order that depends on the body alone.
   [[nodiscard]] double energy(const Field<Scalar>& displacement) const {
-    detail::Buffer<double> scratch(mean_.scratch_size());
+    Buffer<double> scratch(mean_.scratch_size());
     return energy(displacement, scratch);
   }
   /// The same without allocating: `scratch` has mean_dilatation().scratch_size() entries. The same bits with any
   /// executor.
   [[nodiscard]] double energy(const Field<Scalar>& displacement, std::span<double> scratch,
                               ExecutorRef executor = {}) const {
-    double sum = detail::ordered_sum(executor, size_of(batches_), batch_grain, [&](Index begin, Index end) {
+    double sum = ordered_sum(executor, size_of(batches_), batch_grain, [&](Index begin, Index end) {
       double part = 0;
       for (Index b = begin; b < end; ++b) part += batch_energy(displacement, b, scratch);
       return part;
@@ -269,9 +269,9 @@ class CorotatedElasticity {
   }
 
   Index elements_;
-  detail::Buffer<Batch> batches_;
+  Buffer<Batch> batches_;
   std::optional<Scalar> common_lame_ratio_;
   Mean mean_;
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

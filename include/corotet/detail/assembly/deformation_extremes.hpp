@@ -8,7 +8,7 @@
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/material/strain.hpp>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 struct DeformationExtremes {
   Index inverted_elements = 0;    ///< elements with det F <= 0 at a quadrature point
@@ -30,7 +30,7 @@ struct DeformationExtremes {
   /// Angle of the element rotation farthest from the identity, rad, 0 ... pi.
   [[nodiscard]] double max_rotation() const {
     const double cosine = std::clamp((min_rotation_trace - 1) / 2, -1.0, 1.0);
-    return detail::arc_tangent(detail::square_root(1 - cosine * cosine), cosine);
+    return arc_tangent(square_root(1 - cosine * cosine), cosine);
   }
 };
 
@@ -66,4 +66,4 @@ struct DeformationExtremesLanes {
   }
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

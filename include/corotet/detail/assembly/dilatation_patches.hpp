@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// Each element is in one patch. Patches, elements in a patch and vertices of a patch are in fixed order.
 struct DilatationPatches {
@@ -25,8 +25,6 @@ struct DilatationPatches {
 
   [[nodiscard]] Index count() const { return vertices.count(); }
 };
-
-namespace detail {
 
 /// Groups elements as F-bar patches do (de Souza Neto, Andrade Pires & Owen 2005, "F-bar-based linear triangles and
 /// tetrahedra for finite strain analysis of nearly incompressible solids"), here greedily, so that any mesh will do:
@@ -233,12 +231,10 @@ class PatchGrower {
   mutable std::vector<Candidate> candidates_;
 };
 
-}  // namespace detail
-
 /// Patches of some five to eight elements over the whole mesh; the same for the same mesh. O(n log n).
 template <std::floating_point Scalar, LinearTetrahedron Element>
 [[nodiscard]] DilatationPatches dilatation_patches(const TetMesh<Scalar, Element>& mesh) {
-  return detail::PatchGrower(mesh).result();
+  return PatchGrower(mesh).result();
 }
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

@@ -14,9 +14,7 @@
 #include <corotet/detail/element/element_batch.hpp>
 #include <corotet/detail/material/strain.hpp>
 
-namespace corotet::inline v0_1 {
-
-namespace detail {
+namespace corotet::inline v0_1::detail {
 
 /// The sum over the elements of what they have stored for a vertex.
 template <std::floating_point Scalar>
@@ -37,8 +35,6 @@ COROTET_ALWAYS_INLINE void write_columns(const std::array<Vec4<Scalar>, 3>& colu
   column[2].template store_part<3>(out + 6);
 }
 
-}  // namespace detail
-
 /// sqrt(mu V) R grad N of an element's node at a quadrature point, and the lambda / mu that acts there: what a
 /// stiffness block needs of one node, in one load.
 template <std::floating_point Scalar>
@@ -47,15 +43,15 @@ struct alignas(4 * sizeof(Scalar)) NodeGradient : std::array<Scalar, 4> {
 };
 
 /// The state of a corotated body that Elasticity::evaluate computes. Sized once: an evaluation allocates nothing. Each
-/// vector is followed by one number, so that assembly loads it as a Quad.
+/// vector is followed by one number, so that assembly loads it as a Vec4.
 template <std::floating_point Scalar, ReferenceElement Element>
 class ElasticEvaluation {
  public:
   static constexpr std::size_t points = Element::stiffness_points.size();
   static constexpr std::size_t nodes = Element::nodes;
 
-  detail::Buffer<DeformationExtremes> extremes;  ///< one a task
-  TwistModes<Scalar> twist;                      ///< what the tangent has besides the warped stiffness
+  Buffer<DeformationExtremes> extremes;  ///< one a task
+  TwistModes<Scalar> twist;              ///< what the tangent has besides the warped stiffness
 
   ElasticEvaluation() = default;
 
@@ -123,7 +119,7 @@ class ElasticEvaluation {
 
   /// The elastic force on one vertex, N: the force that the body exerts on it.
   [[nodiscard]] Vec3<Scalar> vertex_force(const BlockPattern& pattern, Index vertex) const {
-    return detail::sum_of_nodes(pattern, force_, vertex);
+    return sum_of_nodes(pattern, force_, vertex);
   }
 
   [[nodiscard]] std::size_t bytes() const {
@@ -132,11 +128,11 @@ class ElasticEvaluation {
   }
 
  private:
-  PaddedField<Scalar> force_;                        // [element][node]
-  detail::Buffer<Lanes<Scalar>> volumetric_stress_;  // [batch][point]
-  detail::Buffer<NodeGradient<Scalar>> gradient_;    // [point][element][node]
+  PaddedField<Scalar> force_;                // [element][node]
+  Buffer<Lanes<Scalar>> volumetric_stress_;  // [batch][point]
+  Buffer<NodeGradient<Scalar>> gradient_;    // [point][element][node]
   PaddedField<Scalar> mean_gradient_;
-  detail::Buffer<Frame> frame_;  // [batch]
+  Buffer<Frame> frame_;  // [batch]
   std::size_t elements_ = 0;
 };
 
@@ -191,8 +187,8 @@ class StiffnessSum {
       k[c] = scale * (lambda_[c] + mu_t[c] + isotropic);
       k_t[c] = scale * (mu_[c] + lambda_t[c] + isotropic);
     }
-    detail::write_columns(k, block);
-    detail::write_columns(k_t, mirror);
+    write_columns(k, block);
+    write_columns(k_t, mirror);
   }
 
  private:
@@ -214,4 +210,4 @@ class StiffnessSum {
   std::array<Q, 3> lambda_{Q(Scalar(0)), Q(Scalar(0)), Q(Scalar(0))}, mu_{Q(Scalar(0)), Q(Scalar(0)), Q(Scalar(0))};
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

@@ -10,7 +10,7 @@
 #include <corotet/detail/rotation/rotation_extractor.hpp>
 #include <cstddef>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// The mean of F over the points of each element, by volume.
 template <class Batch, std::floating_point Scalar, std::size_t points>
@@ -80,4 +80,4 @@ Lanes<Scalar> deformation_of_batch(const ElementBatch<Scalar, Element>& batch, c
   return least;
 }
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

@@ -30,6 +30,7 @@ enum class MassModel {
 template <std::floating_point Scalar>
 class Mass {
  public:
+  /// The mass of a mesh; `materials` must pass Materials::validate, and `pattern` be that of the mesh.
   template <ReferenceElement Element>
   COROTET_COLD Mass(const TetMesh<Scalar, Element>& mesh, const Materials& materials, MassModel model,
                     const BlockPattern& pattern)
@@ -60,8 +61,10 @@ class Mass {
     for (std::size_t v = 0; v < weight.size(); ++v) row_sum_[v] = static_cast<Scalar>(weight[v]);
   }
 
+  /// Lumped or consistent.
   [[nodiscard]] MassModel model() const { return model_; }
-  [[nodiscard]] std::size_t bytes() const { return bytes_of(factor_) + bytes_of(row_sum_); }
+  /// Bytes on the heap.
+  [[nodiscard]] std::size_t bytes() const { return detail::bytes_of(factor_) + detail::bytes_of(row_sum_); }
 
   /// Mass of the whole body, kg.
   [[nodiscard]] double total() const { return total_; }
@@ -106,7 +109,8 @@ class Mass {
     for (const QuadraturePoint& point : Element::mass_points) {
       const auto shape = Element::shape(point.xi);
       const auto position = [&](std::size_t a) { return mesh.node_position(e, a); };
-      const double mass = density * point.weight * jacobian(Element::gradient(point.xi), position).determinant();
+      const double mass =
+          density * point.weight * detail::jacobian(Element::gradient(point.xi), position).determinant();
       m.total += mass;
       for (std::size_t a = 0; a < shape.size(); ++a)
         for (std::size_t b = 0; b < shape.size(); ++b) m.matrix[a][b] += mass * shape[a] * shape[b];

@@ -28,6 +28,8 @@ enum class VolumetricStrain {
   averaged
 };
 
+namespace detail {
+
 /// Mean dilatation (Nagtegaal, Parks & Rice 1974; Hughes 1980; over patches of linear tetrahedra: de Souza Neto,
 /// Andrade Pires & Owen 2005): docs/theory.md, equation 10. Lamé's lambda is split in two. `pointwise` of it acts at
 /// each quadrature point. The remainder m = lambda - pointwise >= 0 acts on the mean: with weights w = m V,
@@ -59,7 +61,7 @@ class MeanDilatation {
     if constexpr (over_patches) {
       patches_ = dilatation_patches(mesh);
       find_local_vertices(mesh);
-      weight_ = detail::Buffer<Weight>(patches_.element.size());
+      weight_ = Buffer<Weight>(patches_.element.size());
     }
   }
 
@@ -79,7 +81,7 @@ class MeanDilatation {
     if (on_) ratio_[at(element / lane_count<Scalar>)].set(element % lane_count<Scalar>, static_cast<Scalar>(rest));
   }
 
-  void update_weights(const detail::Buffer<Batch>& batches) {
+  void update_weights(const Buffer<Batch>& batches) {
     if constexpr (over_patches)
       for (Index p = 0; p < patches_.count(); ++p) {
         double sum = 0;  // of w, J
@@ -133,7 +135,7 @@ class MeanDilatation {
 
   /// Energy of the mean parts of all patches, J, with `theta` of each element.
   [[nodiscard]] double patches_energy(std::span<const double> theta, ExecutorRef executor) const {
-    return detail::ordered_sum(executor, patches_.count(), patch_grain, [&](Index begin, Index end) {
+    return ordered_sum(executor, patches_.count(), patch_grain, [&](Index begin, Index end) {
       double energy = 0;
       for (Index p = begin; p < end; ++p) {
         double sum = 0;
@@ -186,7 +188,7 @@ class MeanDilatation {
   };
 
   void find_local_vertices(const TetMesh<Scalar, Element>& mesh) {
-    local_ = detail::Buffer<std::array<std::uint8_t, Element::nodes>>(patches_.element.size());
+    local_ = Buffer<std::array<std::uint8_t, Element::nodes>>(patches_.element.size());
     for (Index p = 0; p < patches_.count(); ++p) {
       const auto& [start, vertex] = patches_.vertices;
       const auto first = vertex.begin() + start[at(p)], last = vertex.begin() + start[at(p) + 1];
@@ -227,10 +229,12 @@ class MeanDilatation {
   }
 
   bool on_ = false;
-  detail::Buffer<L> ratio_;  // m / mu, one a batch
+  Buffer<L> ratio_;  // m / mu, one a batch
   DilatationPatches patches_;
-  detail::Buffer<Weight> weight_;                                   // one an element, in the order of the patches
-  detail::Buffer<std::array<std::uint8_t, Element::nodes>> local_;  // of its nodes in the patch's vertices
+  Buffer<Weight> weight_;                                   // one an element, in the order of the patches
+  Buffer<std::array<std::uint8_t, Element::nodes>> local_;  // of its nodes in the patch's vertices
 };
+
+}  // namespace detail
 
 }  // namespace corotet::inline v0_1

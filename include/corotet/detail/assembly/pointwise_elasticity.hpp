@@ -25,7 +25,7 @@
 #include <corotet/detail/mesh/tet_mesh.hpp>
 #include <span>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// With the energy density psi of the model: W = sum V psi(F), the force on node a is f_a = -sum V P grad N_a with
 /// P = d psi/dF, and block (a, b) of the tangent stiffness is sum V (grad N_a)^T dP/dF (grad N_b), over quadrature
@@ -52,7 +52,7 @@ class PointwiseElasticity {
   COROTET_COLD PointwiseElasticity(const TetMesh<Scalar, Element>& mesh, const Materials& materials,
                                    VolumetricStrain volumetric_strain = VolumetricStrain::pointwise)
       : elements_(mesh.element_count()),
-        batches_(detail::rest_batches(mesh)),
+        batches_(rest_batches(mesh)),
         constants_(batches_.size()),
         inverse_mu_(batches_.size()) {
     COROTET_ASSERT(volumetric_strain == VolumetricStrain::pointwise, "only the corotated model has a mean dilatation");
@@ -71,7 +71,7 @@ class PointwiseElasticity {
   }
 
   [[nodiscard]] Index element_count() const { return elements_; }
-  [[nodiscard]] const detail::Buffer<Batch>& batches() const { return batches_; }
+  [[nodiscard]] const Buffer<Batch>& batches() const { return batches_; }
   /// Off.
   [[nodiscard]] const MeanDilatation<Scalar, Element>& mean_dilatation() const { return no_mean_; }
   /// None: the matrix couples the vertices of an element alone.
@@ -99,7 +99,7 @@ class PointwiseElasticity {
   /// W, J: summed in double, in an order that depends on the body alone; the same bits with any executor.
   [[nodiscard]] double energy(const Field<Scalar>& displacement, const States& committed,
                               ExecutorRef executor = {}) const {
-    return detail::ordered_sum(executor, size_of(batches_), batch_grain, [&](Index begin, Index end) {
+    return ordered_sum(executor, size_of(batches_), batch_grain, [&](Index begin, Index end) {
       double part = 0;
       for (Index b = begin; b < end; ++b) part += batch_energy(displacement, b, committed);
       return part;
@@ -242,7 +242,7 @@ class PointwiseElasticity {
     for (auto& row : m.entry) row.fill(L(0));
   }
   static void add_scaled(double factor, const Mat3Lanes<Scalar>& m, Mat3Lanes<Scalar>& sum) {
-    if (detail::is_zero(factor)) return;
+    if (is_zero(factor)) return;
     const L scale(static_cast<Scalar>(factor));
     for (std::size_t i = 0; i < 3; ++i)
       for (std::size_t j = 0; j < 3; ++j) sum.entry[i][j] += scale * m.entry[i][j];
@@ -254,10 +254,10 @@ class PointwiseElasticity {
   }
 
   Index elements_;
-  detail::Buffer<Batch> batches_;
-  detail::Buffer<typename Model::template Constants<Scalar>> constants_;  // one a batch
-  detail::Buffer<Lanes<Scalar>> inverse_mu_;                              // 1/Pa, one a batch
+  Buffer<Batch> batches_;
+  Buffer<typename Model::template Constants<Scalar>> constants_;  // one a batch
+  Buffer<Lanes<Scalar>> inverse_mu_;                              // 1/Pa, one a batch
   MeanDilatation<Scalar, Element> no_mean_;
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

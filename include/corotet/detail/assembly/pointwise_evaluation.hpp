@@ -17,7 +17,7 @@
 #include <corotet/detail/material/point_states.hpp>
 #include <cstddef>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// Which tangent a step asks of a model: the interface of TwistModes for models that have one tangent, not a warped
 /// stiffness and modes beside it. `exact` asks for dP/dF until `project` asks for the semi-definite substitute; the
@@ -53,8 +53,8 @@ class PointwiseEvaluation : private PointStates<Scalar, Model> {
   /// Pairs (a, b) of an element's nodes with a <= b.
   static constexpr std::size_t pairs = nodes * (nodes + 1) / 2;
 
-  detail::Buffer<DeformationExtremes> extremes;  ///< one a task
-  ModelTangent<Scalar> twist;                    ///< which tangent is evaluated
+  Buffer<DeformationExtremes> extremes;  ///< one a task
+  ModelTangent<Scalar> twist;            ///< which tangent is evaluated
 
   PointwiseEvaluation() = default;
   template <class Law>
@@ -91,7 +91,7 @@ class PointwiseEvaluation : private PointStates<Scalar, Model> {
 
   /// The elastic force on one vertex, N: the force that the body exerts on it.
   [[nodiscard]] Vec3<Scalar> vertex_force(const BlockPattern& pattern, Index vertex) const {
-    return detail::sum_of_nodes(pattern, force_, vertex);
+    return sum_of_nodes(pattern, force_, vertex);
   }
 
   [[nodiscard]] std::size_t bytes() const {
@@ -105,8 +105,8 @@ class PointwiseEvaluation : private PointStates<Scalar, Model> {
     return a * (2 * nodes - a - 1) / 2 + b;
   }
 
-  PaddedField<Scalar> force_;    // [element][node]
-  detail::Buffer<Block> block_;  // [element][pair]
+  PaddedField<Scalar> force_;  // [element][node]
+  Buffer<Block> block_;        // [element][pair]
 };
 
 /// The sum of element contributions to one 3x3 block of a tangent stiffness.
@@ -133,8 +133,8 @@ class BlockSum {
       k[c] = scale * (straight_[c] + mirrored_t[c]);
       k_t[c] = scale * (straight_t[c] + mirrored_[c]);
     }
-    detail::write_columns(k, block);
-    detail::write_columns(k_t, mirror);
+    write_columns(k, block);
+    write_columns(k_t, mirror);
   }
 
  private:
@@ -144,4 +144,4 @@ class BlockSum {
   std::array<Q, 3> mirrored_{Q(Scalar(0)), Q(Scalar(0)), Q(Scalar(0))};
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

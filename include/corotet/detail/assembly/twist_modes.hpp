@@ -36,6 +36,8 @@ enum class Tangent : std::uint8_t {
   return tangent == Tangent::warped ? "plain" : tangent == Tangent::consistent ? "exact" : "stretch_stable";
 }
 
+namespace detail {
+
 /// The twist modes of one state of a body, as the tangent wants them: docs/theory.md, equations 7 and 8. They are what
 /// the Hessian of the energy has besides the warped stiffness (Smith, de Goes & Kim 2019, "Analytic eigensystems for
 /// isotropic distortion energies", section 5, for energies in the invariants of S).
@@ -123,7 +125,7 @@ class TwistModes {
       e(i, i) = strain[at(i)];
       e(j, k) = e(k, j) = strain[at(3 + i)];
     }
-    detail::diagonalise_lanes(e, n);
+    diagonalise_lanes(e, n);
     const L trace = strain[0] + strain[1] + strain[2];
     const L least =
         L(Scalar(1e-3)) * (L(1) + lane_abs(trace + L(3)));  // of s_i + s_j, which an inversion may make zero
@@ -154,8 +156,10 @@ class TwistModes {
   Scalar cap_ = Scalar(0.5);
   bool projects_ = false;
   std::size_t batches_ = 0;
-  detail::Buffer<std::uint8_t> active_;          // [point][batch]
-  detail::Buffer<std::array<Scalar, 8>> value_;  // [point][element], two of eight unused
+  Buffer<std::uint8_t> active_;          // [point][batch]
+  Buffer<std::array<Scalar, 8>> value_;  // [point][element], two of eight unused
 };
+
+}  // namespace detail
 
 }  // namespace corotet::inline v0_1

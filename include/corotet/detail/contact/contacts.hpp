@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
-#include <corotet/detail/contact/contact_finder.hpp>
 #include <corotet/detail/contact/contact_points.hpp>
+#include <corotet/detail/contact/contact_set.hpp>
 #include <corotet/detail/contact/free_obstacles.hpp>
 #include <corotet/detail/contact/obstacles.hpp>
 #include <corotet/detail/contact/point_contact.hpp>
 #include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/exactly.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/terms/piecewise_term.hpp>
 #include <cstddef>
@@ -72,7 +73,7 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
   COROTET_COLD Contacts(ContactPoints points, Obstacles& obstacles, const ContactOptions& options = {});
 
   [[nodiscard]] const ContactOptions& options() const { return options_; }
-  [[nodiscard]] const ContactPoints& points() const { return points_; }
+  [[nodiscard]] const ContactPoints& points() const { return set_.points(); }
   /// Of the last step.
   [[nodiscard]] const ContactReport& report() const { return report_; }
   /// Those with a force, in the order of obstacles, then of points.
@@ -80,7 +81,7 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
 
   /// Forgets the forces of earlier steps: after the body was set elsewhere.
   void reset() {
-    memory_.clear();
+    set_.forget();
     touches_.clear();
     report_ = {};
     was_busy_ = has_jumped_ = false;
@@ -98,7 +99,7 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
   void end_search(double fraction) override { free_.end_search(fraction); }
   [[nodiscard]] bool acts() const override;
   void fix_impulses() override {
-    for (Contact& contact : contacts_) contact.given = contact.impulse;
+    for (Contact& contact : set_.contacts()) contact.given = contact.impulse;
   }
   void add_impulses(const TermState<Scalar>& state, Field<Scalar>& impulse) const override;
   void subtract_product(const TermState<Scalar>& state, const Field<Scalar>& change,
@@ -115,29 +116,20 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
 
  private:
   using Contact = detail::PointContact;
-  using Memory = detail::ContactMemory;
 
   // The spring of a contact is that of the matrix's diagonal at its point, but all springs together are at most so many
   // times the mass of the body: the error of the linear solve would move stiffer ones.
   static constexpr double body_mass_ratio = 1000;
-  static constexpr double near_share = 2e-3, depth_share = 1e-3, start_share = 1e-5;  // of the points' extent
-  static constexpr double reach_factor = 1.5;
+  static constexpr double depth_share = 1e-3;  // of the points' extent: deeper, the multipliers follow in the step
 
-  [[nodiscard]] bool is_here(Index point, const TermState<Scalar>& state) const {
-    return state.contains(points_.vertex(points_.first(point)));
-  }
-  /// Where a point is at a state, in the world, m.
-  [[nodiscard]] Vec3<double> place_of(Index point, const TermState<Scalar>& state) const {
-    return points_.interpolate(point, [&](Index v) { return state.position(v); }) + state.origin;
-  }
   [[nodiscard]] static Vec3<double> centre_of_mass(const TermState<Scalar>& state);
   /// What a point has of a field of changes in the frame of the linearisation, in space.
   [[nodiscard]] Vec3<double> value_of(Index point, const Field<Scalar>& field) const {
-    return in_space(points_.interpolate(point, [&](Index v) { return field[linearized_.index(v)]; }));
+    return in_space(points().interpolate(point, [&](Index v) { return field[linearized_.index(v)]; }));
   }
   /// Where a point ends without a change of velocities, in the world, m.
   [[nodiscard]] Vec3<double> guessed_end(Index point, const PassSystem<Scalar>& system) const {
-    Vec3<double> end = place_of(point, system.state);
+    Vec3<double> end = set_.place_of(point, system.state);
     if (system.guess != nullptr) end += double(system.state.gamma) * value_of(point, *system.guess);
     return end;
   }
@@ -157,13 +149,10 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
   /// Calls visit(vertex, weight) for the vertices that carry the contact's point.
   template <class Visit>
   void for_carriers(const Contact& contact, const Visit& visit) const {
-    for (Index e = points_.first(contact.point); e < points_.last(contact.point); ++e)
-      visit(points_.vertex(e), points_.weight(e));
+    for (Index e = points().first(contact.point); e < points().last(contact.point); ++e)
+      visit(points().vertex(e), points().weight(e));
   }
 
-  void find_all(const TermState<Scalar>& start);
-  bool find(Index point, Index obstacle);
-  [[nodiscard]] const Memory* memory_at(Index obstacle, Index point) const;
   void choose_springs(const PassSystem<Scalar>& system);
   void choose_spring(Contact& contact, const PassSystem<Scalar>& system);
   void add_to_matrix(const Contact& contact, const Mat3<Scalar>& k, BlockMatrix<Scalar>& matrix) const;
@@ -171,17 +160,11 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
   [[nodiscard]] bool augment();
   /// From some pass on, so that the passes converge.
   [[nodiscard]] bool keeps_limits() const { return revisions_ > 6; }
-  void keep_memory(const TermState<Scalar>& end);
   void add(const PaddedField<Scalar>& x, PaddedField<Scalar>& y) const override;
 
   ContactOptions options_;
-  ContactPoints points_;
-  Obstacles* obstacles_;
-  std::vector<Contact> contacts_;             // of this step
-  std::vector<Memory> memory_, next_memory_;  // of the last one, by obstacle and point
+  detail::ContactSet set_;
   std::vector<Touch> touches_;
-  std::vector<Vec3<double>> start_, end_;   // of points, in the world, m; end: as guessed
-  std::vector<double> slack_;               // how far from `end` a point may end before it is looked at again, m
   std::vector<Vec3<double>> from_, along_;  // of the line search, one a contact, m/s
   std::vector<double> share_;               // sum of the weights that contacts have on a vertex
   detail::FreeObstacles free_;
@@ -196,42 +179,31 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
 
 template <std::floating_point Scalar>
 Contacts<Scalar>::Contacts(ContactPoints points, Obstacles& obstacles, const ContactOptions& options)
-    : options_(options), points_(std::move(points)), obstacles_(&obstacles) {
+    : options_(options),
+      set_(std::move(points), obstacles,
+           {options.friction, options.margin, options.max_depenetration, options.max_contacts_per_point}),
+      from_(set_.capacity()),
+      along_(set_.capacity()),
+      share_(at(set_.points().vertex_count()), 0) {
   COROTET_ASSERT(options.passes >= 1 && options.friction >= 0 && options.max_depenetration > 0,
                  "contact needs a pass, friction that is not negative, and a speed to leave obstacles at");
-  const std::size_t count = at(points_.size()), capacity = count * at((std::max)(options.max_contacts_per_point, 1));
-  contacts_.reserve(capacity);
-  memory_.reserve(capacity);
-  next_memory_.reserve(capacity);
-  touches_.reserve(capacity);
-  from_.resize(capacity);
-  along_.resize(capacity);
-  start_.resize(count);
-  end_.resize(count);
-  slack_.resize(count);
-  share_.assign(at(points_.vertex_count()), 0);
-}
-
-template <std::floating_point Scalar>
-const detail::ContactMemory* Contacts<Scalar>::memory_at(Index obstacle, Index point) const {
-  const auto found = std::lower_bound(
-      memory_.begin(), memory_.end(), std::pair(obstacle, point),
-      [](const Memory& m, const std::pair<Index, Index>& key) { return std::pair(m.obstacle, m.point) < key; });
-  return found != memory_.end() && found->obstacle == obstacle && found->point == point ? &*found : nullptr;
+  touches_.reserve(set_.capacity());
 }
 
 template <std::floating_point Scalar>
 void Contacts<Scalar>::begin_step(const TermState<Scalar>& start) {
-  obstacles_->begin_step(double(start.h));
+  Obstacles& obstacles = set_.obstacles();
+  obstacles.begin_step(double(start.h));
   h_ = double(start.h);
-  report_ = {};
-  contacts_.clear();
   touches_.clear();
+  touches_.reserve(set_.capacity());
   has_springs_ = false;
-  find_all(start);
-  free_.begin(*obstacles_, contacts_);
-  for (Index o = 0; o < obstacles_->size(); ++o)
-    if ((*obstacles_)[o].is_free() && (*obstacles_)[o].enabled) {
+  set_.begin_step(start);
+  report_ = {};
+  report_.candidates = size_of(set_.contacts());
+  free_.begin(obstacles, set_.contacts());
+  for (Index o = 0; o < obstacles.size(); ++o)
+    if (obstacles[o].is_free() && obstacles[o].enabled) {
       start_centre_ = centre_of_mass(start);
       break;
     }
@@ -247,71 +219,13 @@ Vec3<double> Contacts<Scalar>::centre_of_mass(const TermState<Scalar>& state) {
 }
 
 template <std::floating_point Scalar>
-void Contacts<Scalar>::find_all(const TermState<Scalar>& start) {
-  Box around;
-  double farthest = 0;
-  for (Index p = 0; p < points_.size(); ++p) {
-    if (!is_here(p, start)) continue;
-    start_[at(p)] = place_of(p, start);
-    end_[at(p)] = start_[at(p)] + h_ * points_.interpolate(p, [&](Index v) { return start.velocity(v); });
-    around.add(start_[at(p)]);
-    farthest = (std::max)(farthest, (end_[at(p)] - start_[at(p)]).norm());
-    slack_[at(p)] = std::numeric_limits<double>::infinity();
-  }
-  const Vec3<double> centre = 0.5 * (around.low + around.high);
-  const double radius = 0.5 * (around.high - around.low).norm();
-  for (Index o = 0; o < obstacles_->size(); ++o) {
-    const Obstacle& obstacle = (*obstacles_)[o];
-    if (!obstacle.enabled) continue;
-    const double speed = obstacle.velocity_at(centre).norm() + obstacle.angular_velocity.norm() * radius;
-    const double path = farthest + h_ * speed;  // of any point, at most
-    const double clear = obstacle.distance(centre).distance - options_.margin - radius;
-    const bool is_far = clear > reach_factor * path + near_share * points_.extent();
-    for (Index p = 0; p < points_.size(); ++p) {
-      if (!is_here(p, start)) continue;
-      if (is_far)
-        slack_[at(p)] = (std::min)(slack_[at(p)], clear - path);
-      else
-        find(p, o);
-    }
-  }
-  report_.candidates = size_of(contacts_);
-}
-
-template <std::floating_point Scalar>
-bool Contacts<Scalar>::find(Index point, Index obstacle) {
-  const Obstacle& other = (*obstacles_)[obstacle];
-  const detail::ContactQuery query{
-      start_[at(point)],         end_[at(point)], h_, options_.margin, near_share * points_.extent(),
-      options_.max_depenetration};
-  const Memory* before = memory_at(obstacle, point);
-  const auto found = detail::find_contact(query, other, reach_factor, before, slack_[at(point)]);
-  if (!found) return false;
-  if (contacts_.size() == contacts_.capacity()) {
-    ++report_.dropped;
-    return false;
-  }
-  Contact& contact = contacts_.emplace_back(*found);
-  contact.point = point;
-  contact.obstacle = obstacle;
-  contact.friction = other.friction >= 0 ? other.friction : options_.friction;
-  // A point that rests stays as it was; another one touches if it moves in by more than rounding.
-  const double moves_in = -(contact.gap + contact.normal.dot(end_[at(point)] - contact.reference - contact.led));
-  if (before != nullptr && before->force > 0)
-    contact.phase = before->phase;
-  else if (moves_in > start_share * points_.extent())
-    contact.phase = ContactPhase::sticking;
-  return true;
-}
-
-template <std::floating_point Scalar>
 void Contacts<Scalar>::add_force(const TermState<Scalar>& state, TermForces<Scalar>& out) {
-  for (Contact& contact : contacts_) {
+  for (Contact& contact : set_.contacts()) {
     contact.told.setZero();
     if (!has_springs_) continue;
     // In Newton's iteration: the law at the new iterate, with the springs of the step.
     const double gamma = double(state.gamma);
-    contact.linearize(place_of(contact.point, state), gamma, contact.kappa, contact.kappa_t);
+    contact.linearize(set_.place_of(contact.point, state), gamma, contact.kappa, contact.kappa_t);
     contact.evaluate(-free_.motion(contact));
     contact.told = contact.impulse / gamma;
     for_carriers(contact, [&](Index v, double weight) { out.add(v, (weight * contact.told).template cast<Scalar>()); });
@@ -324,7 +238,7 @@ bool Contacts<Scalar>::linearize(PassSystem<Scalar>& system) {
   gamma_ = double(state.gamma);
   free_.set_ratio(h_ / gamma_);
   if (!has_springs_) choose_springs(system);
-  for (Contact& contact : contacts_) {
+  for (Contact& contact : set_.contacts()) {
     contact.linearize(guessed_end(contact.point, system), gamma_, contact.kappa, contact.kappa_t);
     if (has_springs_)
       contact.evaluate(-free_.motion(contact));
@@ -336,17 +250,17 @@ bool Contacts<Scalar>::linearize(PassSystem<Scalar>& system) {
   has_springs_ = true;
   revisions_ = augmentations_ = 0;
   update(system);
-  return !contacts_.empty();
+  return !set_.contacts().empty();
 }
 
 template <std::floating_point Scalar>
 void Contacts<Scalar>::choose_springs(const PassSystem<Scalar>& system) {
   // With a free obstacle, the smaller of the two masses counts.
-  spring_cap_ = body_mass_ratio / double((std::max)(contacts_.size(), std::size_t{1}));
-  for (const Contact& contact : contacts_)
+  spring_cap_ = body_mass_ratio / double((std::max)(set_.contacts().size(), std::size_t{1}));
+  for (const Contact& contact : set_.contacts())
     for_carriers(contact, [&](Index v, double weight) { share_[at(v)] += std::fabs(weight); });
-  for (Contact& contact : contacts_) choose_spring(contact, system);
-  for (const Contact& contact : contacts_) for_carriers(contact, [&](Index v, double) { share_[at(v)] = 0; });
+  for (Contact& contact : set_.contacts()) choose_spring(contact, system);
+  for (const Contact& contact : set_.contacts()) for_carriers(contact, [&](Index v, double) { share_[at(v)] = 0; });
 }
 
 template <std::floating_point Scalar>
@@ -361,16 +275,16 @@ void Contacts<Scalar>::choose_spring(Contact& contact, const PassSystem<Scalar>&
     across += share * (inverse.trace() - here) / 2;
   });
   double mass = linearized_.mass->total();
-  if (const double other = (*obstacles_)[contact.obstacle].mass(); other > 0) mass = 1 / (1 / mass + 1 / other);
+  if (const double other = set_.obstacle_of(contact).mass(); other > 0) mass = 1 / (1 / mass + 1 / other);
   contact.kappa = (std::min)(1 / along, spring_cap_ * mass);
   contact.kappa_t = (std::min)(1 / across, spring_cap_ * mass);
 }
 
 template <std::floating_point Scalar>
 void Contacts<Scalar>::update(PassSystem<Scalar>& system) {
-  for (Contact& contact : contacts_) contact.choose_piece(keeps_limits());
-  free_.eliminate(contacts_);
-  for (Contact& contact : contacts_) {
+  for (Contact& contact : set_.contacts()) contact.choose_piece(keeps_limits());
+  free_.eliminate(set_.contacts());
+  for (Contact& contact : set_.contacts()) {
     const Vec3<Scalar> impulse = in_frame(contact.piece_impulse - contact.impulse_in).template cast<Scalar>();
     for_carriers(contact, [&](Index v, double weight) {
       system.right_side[linearized_.index(v)] += static_cast<Scalar>(weight) * impulse;
@@ -395,7 +309,7 @@ void Contacts<Scalar>::add_to_matrix(const Contact& contact, const Mat3<Scalar>&
 
 template <std::floating_point Scalar>
 void Contacts<Scalar>::solved(const PassSystem<Scalar>& system) {
-  free_.solve(contacts_, [&](const Contact& contact) { return value_of(contact.point, system.change); });
+  free_.solve(set_.contacts(), [&](const Contact& contact) { return value_of(contact.point, system.change); });
 }
 
 template <std::floating_point Scalar>
@@ -406,14 +320,14 @@ bool Contacts<Scalar>::revise(const PassSystem<Scalar>& system, double error) {
   ++revisions_;
   bool changed = find_crossings(system);
   double largest = 0;
-  for (Contact& contact : contacts_) {
+  for (Contact& contact : set_.contacts()) {
     contact.evaluate(value_of(contact.point, system.change) - free_.motion(contact));
     largest = (std::max)(largest, contact.normal_trial);
   }
-  for (Contact& contact : contacts_) {
+  for (Contact& contact : set_.contacts()) {
     const double noise = error_share * error;
-    changed = contact.judge((std::max)(negligible * largest, noise * std::sqrt(contact.kappa)),
-                            (std::max)(tangential * negligible * largest, noise * std::sqrt(contact.kappa_t)),
+    changed = contact.judge((std::max)(negligible * largest, noise * detail::square_root(contact.kappa)),
+                            (std::max)(tangential * negligible * largest, noise * detail::square_root(contact.kappa_t)),
                             keeps_limits()) ||
               changed;
   }
@@ -425,24 +339,18 @@ bool Contacts<Scalar>::revise(const PassSystem<Scalar>& system, double error) {
 template <std::floating_point Scalar>
 bool Contacts<Scalar>::find_crossings(const PassSystem<Scalar>& system) {
   bool found = false;
-  for (Index p = 0; p < points_.size(); ++p) {
-    if (!is_here(p, linearized_)) continue;
-    const Vec3<double> end = guessed_end(p, system) + gamma_ * value_of(p, system.change);
-    if ((end - end_[at(p)]).norm() <= slack_[at(p)]) continue;
-    end_[at(p)] = end;
-    slack_[at(p)] = std::numeric_limits<double>::infinity();
-    for (Index o = 0; o < obstacles_->size(); ++o) {
-      const auto is_known = [&](const Contact& contact) { return contact.point == p && contact.obstacle == o; };
-      if (!(*obstacles_)[o].enabled || std::any_of(contacts_.begin(), contacts_.end(), is_known) || !find(p, o))
-        continue;
-      Contact& contact = contacts_.back();
-      free_.add(*obstacles_, contact);
-      spring_cap_ = (std::min)(spring_cap_, body_mass_ratio / double(points_.size()));
+  for (Index p = 0; p < points().size(); ++p) {
+    if (!set_.is_here(p, linearized_)) continue;
+    const Vec3<double> guess = guessed_end(p, system), end = guess + gamma_ * value_of(p, system.change);
+    if (!set_.may_have_crossed(p, end)) continue;
+    set_.find_crossings(p, end, [&](Contact& contact) {
+      free_.add(set_.obstacles(), contact);
+      spring_cap_ = (std::min)(spring_cap_, body_mass_ratio / double(points().size()));
       choose_spring(contact, system);
-      contact.linearize(guessed_end(p, system), gamma_, contact.kappa, contact.kappa_t);
+      contact.linearize(guess, gamma_, contact.kappa, contact.kappa_t);
       contact.start_from_memory(gamma_);
       found = true;
-    }
+    });
   }
   return found;
 }
@@ -457,23 +365,23 @@ bool Contacts<Scalar>::augment() {
   if (augmentations_ == max_augmentations) return false;
   double change = 0, all = 0;
   bool is_deep = false;
-  for (const Contact& contact : contacts_) {
+  for (const Contact& contact : set_.contacts()) {
     const double force = (std::max)(0.0, contact.normal_trial) / gamma_;
     change += std::fabs(force - contact.multiplier);
     all += (std::max)(force, contact.multiplier);
-    is_deep = is_deep || contact.depth(gamma_) > depth_share * points_.extent();
+    is_deep = is_deep || contact.depth(gamma_) > depth_share * points().extent();
   }
   const bool moves_on = change > least_change * all && change < most_change * all;
   if (!is_deep && !moves_on) return false;
-  for (Contact& contact : contacts_) contact.augment(gamma_);
+  for (Contact& contact : set_.contacts()) contact.augment(gamma_);
   ++augmentations_;
   return true;
 }
 
 template <std::floating_point Scalar>
 void Contacts<Scalar>::begin_search(const PassSystem<Scalar>& system, double& slope, double& curvature) {
-  for (std::size_t i = 0; i < contacts_.size(); ++i) {
-    const Contact& contact = contacts_[i];
+  for (std::size_t i = 0; i < set_.contacts().size(); ++i) {
+    const Contact& contact = set_.contacts()[i];
     Vec3<double> from = value_of(contact.point, system.from);
     Vec3<double> along = value_of(contact.point, system.change) - from;
     curvature -= along.dot(contact.stiffness_in * along);
@@ -489,20 +397,20 @@ void Contacts<Scalar>::begin_search(const PassSystem<Scalar>& system, double& sl
 template <std::floating_point Scalar>
 double Contacts<Scalar>::slope_at(double fraction) const {
   double sum = 0;
-  for (std::size_t i = 0; i < contacts_.size(); ++i)
-    sum -= contacts_[i].work(from_[i] + fraction * along_[i], along_[i]);
+  for (std::size_t i = 0; i < set_.contacts().size(); ++i)
+    sum -= set_.contacts()[i].work(from_[i] + fraction * along_[i], along_[i]);
   return sum;
 }
 
 template <std::floating_point Scalar>
 bool Contacts<Scalar>::acts() const {
-  return std::any_of(contacts_.begin(), contacts_.end(),
+  return std::any_of(set_.contacts().begin(), set_.contacts().end(),
                      [](const Contact& contact) { return !contact.impulse.isZero(); });
 }
 
 template <std::floating_point Scalar>
 void Contacts<Scalar>::add_impulses(const TermState<Scalar>& state, Field<Scalar>& impulse) const {
-  for (const Contact& contact : contacts_) {
+  for (const Contact& contact : set_.contacts()) {
     const Vec3<Scalar> more = in_frame(contact.given - gamma_ * contact.told).template cast<Scalar>();
     for_carriers(contact,
                  [&](Index v, double weight) { impulse[state.index(v)] += static_cast<Scalar>(weight) * more; });
@@ -512,7 +420,7 @@ void Contacts<Scalar>::add_impulses(const TermState<Scalar>& state, Field<Scalar
 template <std::floating_point Scalar>
 void Contacts<Scalar>::subtract_product(const TermState<Scalar>& state, const Field<Scalar>& change,
                                         Field<Scalar>& impulse) const {
-  for (const Contact& contact : contacts_) {
+  for (const Contact& contact : set_.contacts()) {
     if (contact.phase == ContactPhase::open) continue;
     const Vec3<Scalar> part =
         in_frame(contact.piece_stiffness * value_of(contact.point, change)).template cast<Scalar>();
@@ -523,14 +431,14 @@ void Contacts<Scalar>::subtract_product(const TermState<Scalar>& state, const Fi
 
 template <std::floating_point Scalar>
 void Contacts<Scalar>::move(const Field<Scalar>& change) {
-  for (Contact& contact : contacts_)
+  for (Contact& contact : set_.contacts())
     if (contact.phase != ContactPhase::open) contact.given -= contact.piece_stiffness * value_of(contact.point, change);
 }
 
 template <std::floating_point Scalar>
 void Contacts<Scalar>::add(const PaddedField<Scalar>& x, PaddedField<Scalar>& y) const {
   free_.couple(
-      contacts_,
+      set_.contacts(),
       [&](const Contact& contact) {
         Vec3<double> sum = Vec3<double>::Zero();
         for_carriers(contact, [&](Index v, double weight) {
@@ -549,16 +457,14 @@ void Contacts<Scalar>::add(const PaddedField<Scalar>& x, PaddedField<Scalar>& y)
 
 template <std::floating_point Scalar>
 void Contacts<Scalar>::end_step(const TermState<Scalar>& end) {
-  std::sort(contacts_.begin(), contacts_.end(), [](const Contact& a, const Contact& b) {
-    return std::pair(a.obstacle, a.point) < std::pair(b.obstacle, b.point);
-  });
+  set_.sort();
   const double eta = h_ / gamma_;
   double moved = 0, all = 0;
-  for (Contact& contact : contacts_) {
+  for (Contact& contact : set_.contacts()) {
     const double force = contact.normal.dot(contact.given) / gamma_;
     moved += std::fabs(force - contact.last_force);
     all += (std::max)(force, contact.last_force);
-    const Vec3<double> place = place_of(contact.point, end);
+    const Vec3<double> place = set_.place_of(contact.point, end);
     const double gap = contact.measured_gap +
                        contact.normal.dot(place - contact.reference - contact.led - gamma_ * free_.motion(contact));
     report_.deepest = (std::max)(report_.deepest, -gap);
@@ -569,38 +475,22 @@ void Contacts<Scalar>::end_step(const TermState<Scalar>& end) {
     if (slides) ++report_.sliding;
     report_.normal_force += force;
     const Vec3<double> impulse = eta * contact.given;
-    (*obstacles_)[contact.obstacle].add_load({-impulse, -contact.arm.cross(impulse)});
+    set_.obstacles()[contact.obstacle].add_load({-impulse, -contact.arm.cross(impulse)});
     touches_.push_back({contact.point, contact.obstacle, contact.start, contact.normal, impulse, slides});
   }
   // The body's moment is that of the impulse where its point ends, about its centre of mass there.
   Vec3<double> flown = Vec3<double>::Zero();
   const bool moves_freely = linearized_.frame.turns;
   if (!free_.empty() && moves_freely) flown = centre_of_mass(end) - start_centre_;
-  free_.finish(contacts_, *obstacles_, [&](const Contact& contact) -> Vec3<double> {
-    return moves_freely ? Vec3<double>(contact.arm + place_of(contact.point, end) - contact.start - flown)
+  free_.finish(set_.contacts(), set_.obstacles(), [&](const Contact& contact) -> Vec3<double> {
+    return moves_freely ? Vec3<double>(contact.arm + set_.place_of(contact.point, end) - contact.start - flown)
                         : contact.arm;
   });
-  keep_memory(end);
+  const double share = detail::exactly_equal(h_, gamma_) ? 0.5 : 0.05;  // of the force, for the multiplier
+  set_.remember(end, gamma_, share);
+  report_.dropped = set_.dropped();
   has_jumped_ = moved > 0.5 * all;
   was_busy_ = report_.passes > 1;
-}
-
-/// Memory of contacts with a force, and of those that other pieces of the body have.
-template <std::floating_point Scalar>
-void Contacts<Scalar>::keep_memory(const TermState<Scalar>& end) {
-  const double share = detail::exactly_equal(h_, gamma_) ? 0.5 : 0.05;  // of the force, for the multiplier
-  next_memory_.clear();
-  for (const Memory& memory : memory_)
-    if (!is_here(memory.point, end)) next_memory_.push_back(memory);
-  const auto others = static_cast<std::ptrdiff_t>(next_memory_.size());
-  for (const Contact& contact : contacts_)
-    if (contact.is_inside || contact.normal.dot(contact.given) > 0)
-      next_memory_.push_back(detail::memory_of(contact, (*obstacles_)[contact.obstacle], gamma_, share));
-  if (others > 0)
-    std::sort(next_memory_.begin(), next_memory_.end(), [](const Memory& a, const Memory& b) {
-      return std::pair(a.obstacle, a.point) < std::pair(b.obstacle, b.point);
-    });
-  memory_.swap(next_memory_);
 }
 
 COROTET_INSTANCES_OF_SCALAR(Contacts)

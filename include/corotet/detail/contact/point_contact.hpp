@@ -27,6 +27,10 @@ struct ContactMemory {
   Vec3<double> friction = Vec3<double>::Zero();  ///< N, in the world
   /// The plane of the contact in the frame of the obstacle: a point that came in by one side leaves by it.
   Vec3<double> normal = Vec3<double>::Zero(), place = Vec3<double>::Zero();
+
+  [[nodiscard]] static bool precedes(const ContactMemory& a, const ContactMemory& b) {
+    return a.obstacle != b.obstacle ? a.obstacle < b.obstacle : a.point < b.point;
+  }
 };
 
 /// A point near an obstacle in a step. Impulses are those of gamma times the force, N s; springs are masses, kg:
@@ -75,6 +79,10 @@ struct PointContact {
   Vec3<double> impulse_in = Vec3<double>::Zero();    ///< and the right side
   Vec3<double> given = Vec3<double>::Zero();         ///< p that the body's momentum has been given, N s
   Vec3<double> told = Vec3<double>::Zero();          ///< force that `add_force` told, N
+
+  [[nodiscard]] static bool precedes(const PointContact& a, const PointContact& b) {
+    return a.obstacle != b.obstacle ? a.obstacle < b.obstacle : a.point < b.point;
+  }
 
   /// The spring at the velocity where forces are linearised: there the point ends at `end`, m.
   void linearize(const Vec3<double>& end, double gamma, double spring, double tangential_spring) {

@@ -20,6 +20,7 @@ template <std::floating_point Scalar>
 [[nodiscard]] Eigen::Map<VecX<Scalar>> flat(Field<Scalar>& field) {
   return {field.empty() ? nullptr : field.front().data(), static_cast<Eigen::Index>(3 * field.size())};
 }
+/// The same, read-only.
 template <std::floating_point Scalar>
 [[nodiscard]] Eigen::Map<const VecX<Scalar>> flat(const Field<Scalar>& field) {
   return {field.empty() ? nullptr : field.front().data(), static_cast<Eigen::Index>(3 * field.size())};
@@ -32,12 +33,14 @@ template <std::floating_point Scalar, int R, int C>
 [[nodiscard]] Eigen::Map<Eigen::Matrix<Scalar, R, C>> as_eigen(Matrix<Scalar, R, C>& m) {
   return Eigen::Map<Eigen::Matrix<Scalar, R, C>>(m.data());
 }
+/// An Eigen matrix that refers to the numbers of `m`.
 template <std::floating_point Scalar, int R, int C>
 [[nodiscard]] Eigen::Map<const Eigen::Matrix<Scalar, R, C>> as_eigen(const Matrix<Scalar, R, C>& m) {
   return Eigen::Map<const Eigen::Matrix<Scalar, R, C>>(m.data());
 }
+/// The same for numbers that lie in a larger array.
 template <std::floating_point Scalar, int R, int C>
-[[nodiscard]] Eigen::Map<Eigen::Matrix<Scalar, R, C>> as_eigen(const MatrixView<Scalar, R, C>& m) {
+[[nodiscard]] Eigen::Map<Eigen::Matrix<Scalar, R, C>> as_eigen(const detail::MatrixView<Scalar, R, C>& m) {
   return Eigen::Map<Eigen::Matrix<Scalar, R, C>>(&m(0, 0));
 }
 

@@ -12,12 +12,14 @@ namespace corotet::inline v0_1 {
 /// Refers to a callable task(i), which must outlive it.
 class TaskRef {
  public:
+  /// Refers to a callable that takes an Index; it must outlive the reference.
   template <std::invocable<Index> Task>
     requires(!std::same_as<std::remove_cvref_t<Task>, TaskRef>)
   TaskRef(Task&& task)  // NOLINT(google-explicit-constructor, bugprone-forwarding-reference-overload): as the task
       : object_(const_cast<void*>(static_cast<const void*>(std::addressof(task)))),
         call_([](void* object, Index i) { (*static_cast<std::remove_reference_t<Task>*>(object))(i); }) {}
 
+  /// Runs the task with number `i`.
   void operator()(Index i) const { call_(object_, i); }
 
  private:
@@ -33,6 +35,7 @@ concept Executor = requires(E& executor, Index count, TaskRef task) { executor(c
 
 /// The default: everything on the calling thread, in order.
 struct SerialExecutor {
+  /// Runs tasks 0 ... count - 1 in this thread.
   void operator()(Index count, TaskRef task) const {
     for (Index i = 0; i < count; ++i) task(i);
   }
@@ -47,6 +50,7 @@ struct SerialExecutor {
 class ExecutorRef {
  public:
   ExecutorRef() : object_(nullptr), run_([](void*, Index count, TaskRef task) { SerialExecutor()(count, task); }) {}
+  /// Refers to an executor, which must outlive the reference.
   template <class E>
     requires(!std::same_as<std::remove_cvref_t<E>, ExecutorRef> && Executor<std::remove_reference_t<E>>)
   ExecutorRef(E&& executor)  // NOLINT(google-explicit-constructor, bugprone-forwarding-reference-overload)
@@ -55,6 +59,7 @@ class ExecutorRef {
           (*static_cast<std::remove_reference_t<E>*>(object))(count, task);
         }) {}
 
+  /// Runs tasks 0 ... count - 1; returns when all have ended.
   void operator()(Index count, TaskRef task) const { run_(object_, count, task); }
 
  private:

@@ -14,21 +14,27 @@ namespace corotet::inline v0_1 {
 /// The name of a file: text, in UTF-8 on Windows too, or a std::filesystem::path.
 class FilePath {
  public:
-  FilePath(std::string text) : text_(std::move(text)) {}  // NOLINT(google-explicit-constructor): as a path
-  FilePath(std::string_view text) : text_(text) {}        // NOLINT(google-explicit-constructor)
-  FilePath(const char* text) : text_(text) {}             // NOLINT(google-explicit-constructor)
+  // NOLINTBEGIN(google-explicit-constructor): as a path
+  /// Of a path in UTF-8.
+  FilePath(std::string text) : text_(std::move(text)) {}
+  FilePath(std::string_view text) : text_(text) {}  ///< of a path in UTF-8
+  FilePath(const char* text) : text_(text) {}       ///< of a path in UTF-8, ended by a zero
+  /// Of a std::filesystem::path.
   template <class Path>
     requires requires(const Path& path) { path.u8string().c_str(); }
-  FilePath(const Path& path) {  // NOLINT(google-explicit-constructor)
+  FilePath(const Path& path) {
     const auto bytes = path.u8string();
     text_.assign(bytes.begin(), bytes.end());
   }
+  // NOLINTEND(google-explicit-constructor)
 
+  /// The path in UTF-8.
   [[nodiscard]] const std::string& text() const { return text_; }
 
   /// From the last point in the name of the file on, the point included: ".vtu"; "" if there is none, or nothing before
   /// it.
   [[nodiscard]] std::string_view extension() const { return std::string_view(text_).substr(end_of_stem()); }
+  /// The path with another extension, given with its dot.
   [[nodiscard]] FilePath with_extension(std::string_view extension) const {
     return text_.substr(0, end_of_stem()) + std::string(extension);
   }

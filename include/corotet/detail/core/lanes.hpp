@@ -23,20 +23,25 @@ inline constexpr int lane_count = sizeof(Scalar) <= 4 ? 16 : 8;
 template <std::floating_point Scalar>
 class alignas(64) LaneMask {
  public:
-  using Integer = detail::MaskInteger<Scalar>;
-  using Bits = detail::Pack<Integer, lane_count<Scalar>>;
+  using Integer = detail::MaskInteger<Scalar>;             ///< as wide as a Scalar: -1 for true, 0 for false
+  using Bits = detail::Pack<Integer, lane_count<Scalar>>;  ///< all lanes
 
+  /// Of the bits of all lanes.
   COROTET_ALWAYS_INLINE explicit LaneMask(const Bits& bits) : bits_(bits) {}
 
+  /// The bits of all lanes.
   [[nodiscard]] const Bits& bits() const { return bits_; }
+  /// Whether lane `lane` is true.
   [[nodiscard]] bool operator[](int lane) const {
     return std::bit_cast<std::array<Integer, lane_count<Scalar>>>(bits_)[at(lane)] != 0;
   }
+  /// Whether all lanes are true.
   [[nodiscard]] bool all() const {
     Integer both = -1;
     for (const Integer bit : std::bit_cast<std::array<Integer, lane_count<Scalar>>>(bits_)) both &= bit;
     return both != 0;
   }
+  /// Whether any lane is true.
   [[nodiscard]] bool any() const {
     Integer either = 0;
     for (const Integer bit : std::bit_cast<std::array<Integer, lane_count<Scalar>>>(bits_)) either |= bit;
@@ -55,21 +60,26 @@ class alignas(64) LaneMask {
 template <std::floating_point Scalar>
 class alignas(64) Lanes {
  public:
-  static constexpr int size = lane_count<Scalar>;
-  using Mask = LaneMask<Scalar>;
-  using Numbers = std::array<Scalar, std::size_t{size}>;
+  static constexpr int size = lane_count<Scalar>;         ///< numbers
+  using Mask = LaneMask<Scalar>;                          ///< what comparisons give
+  using Numbers = std::array<Scalar, std::size_t{size}>;  ///< one a lane
 
   Lanes() = default;
   /// The same number in all lanes.
   COROTET_ALWAYS_INLINE Lanes(Scalar value) : pack_(value) {}  // NOLINT(google-explicit-constructor): as a scalar
 
+  /// The number in lane `lane`.
   [[nodiscard]] Scalar operator[](int lane) const { return values()[at(lane)]; }
+  /// The numbers of all lanes.
   [[nodiscard]] Numbers values() const { return std::bit_cast<Numbers>(pack_); }
+  /// Sets the number in lane `lane`.
   void set(int lane, Scalar value) {
     std::memcpy(reinterpret_cast<char*>(&pack_) + at(lane) * sizeof(Scalar), &value, sizeof(Scalar));
   }
 
+  /// Lane by lane, as the operators below.
   COROTET_ALWAYS_INLINE Lanes& operator+=(const Lanes& b) { return *this = *this + b; }
+  /// Lane by lane.
   COROTET_ALWAYS_INLINE Lanes& operator-=(const Lanes& b) { return *this = *this - b; }
 
   friend COROTET_ALWAYS_INLINE Lanes operator+(const Lanes& a, const Lanes& b) {
@@ -164,11 +174,13 @@ using Vec3Lanes = std::array<Lanes<Scalar>, 3>;
 /// A 3x3 matrix of each element in a batch: (row, column), lane.
 template <std::floating_point Scalar>
 struct Mat3Lanes {
-  std::array<std::array<Lanes<Scalar>, 3>, 3> entry;
+  std::array<std::array<Lanes<Scalar>, 3>, 3> entry;  ///< [row][column]
 
+  /// The entry of all lanes.
   [[nodiscard]] COROTET_ALWAYS_INLINE Lanes<Scalar>& operator()(int row, int column) {
     return entry[at(row)][at(column)];
   }
+  /// The same, read-only.
   [[nodiscard]] COROTET_ALWAYS_INLINE const Lanes<Scalar>& operator()(int row, int column) const {
     return entry[at(row)][at(column)];
   }
@@ -181,18 +193,21 @@ struct Mat3Lanes {
     return m;
   }
 
+  /// Sets the matrix in lane `l`.
   void set_lane(int l, const Mat3<Scalar>& m) {
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) (*this)(r, c).set(l, m(r, c));
   }
 };
 
+/// The determinant in each lane.
 template <std::floating_point Scalar>
 [[nodiscard]] Lanes<Scalar> determinant(const Mat3Lanes<Scalar>& m) {
   return m(0, 0) * (m(1, 1) * m(2, 2) - m(1, 2) * m(2, 1)) - m(0, 1) * (m(1, 0) * m(2, 2) - m(1, 2) * m(2, 0)) +
          m(0, 2) * (m(1, 0) * m(2, 1) - m(1, 1) * m(2, 0));
 }
 
+/// Sets `ab` to a b.
 template <std::floating_point Scalar>
 void product(const Mat3Lanes<Scalar>& a, const Mat3Lanes<Scalar>& b, Mat3Lanes<Scalar>& ab) {
   for (int i = 0; i < 3; ++i)

@@ -38,8 +38,8 @@ concept EigenStorage =
 /// Eigen's of the same size convert to this type and from it.
 template <std::floating_point T, int R, int C>
 struct Matrix {
-  static constexpr int size_at_compile_time = R * C;
-  using Scalar = T;
+  static constexpr int size_at_compile_time = R * C;  ///< numbers
+  using Scalar = T;                                   ///< float or double
 
   /// Holds no numbers yet.
   Matrix() = default;
@@ -49,15 +49,19 @@ struct Matrix {
   Matrix& operator=(const Matrix&) & = default;
   Matrix& operator=(Matrix&&) & noexcept = default;
   ~Matrix() = default;
+  /// Of the numbers, by columns.
   constexpr Matrix(T x, T y)
     requires(R* C == 2)
       : value_{x, y} {}
+  /// The same for three numbers.
   constexpr Matrix(T x, T y, T z)
     requires(R* C == 3)
       : value_{x, y, z} {}
+  /// The same for four numbers.
   constexpr Matrix(T x, T y, T z, T w)
     requires(R* C == 4)
       : value_{x, y, z, w} {}
+  /// Of an Eigen matrix or expression of the same size and numbers.
   template <class E>
     requires detail::EigenMatrix<E, R, C> && std::same_as<typename E::Scalar, T>
   Matrix(const E& e) {  // NOLINT(google-explicit-constructor): the same numbers
@@ -65,6 +69,7 @@ struct Matrix {
     for (int c = 0; c < C; ++c)
       for (int r = 0; r < R; ++r) (*this)(r, c) = numbers.coeff(r, c);
   }
+  /// To an Eigen matrix of the same size and numbers.
   template <class E>
     requires detail::EigenStorage<E, T, R, C>
   operator E() const {  // NOLINT(google-explicit-constructor): the same numbers
@@ -74,21 +79,23 @@ struct Matrix {
     return e;
   }
 
+  /// All entries the same.
   [[nodiscard]] static constexpr Matrix Constant(T value) {
     Matrix m;
     for (T& x : m.value_) x = value;
     return m;
   }
-  [[nodiscard]] static constexpr Matrix Zero() { return Matrix{Numbers{}}; }
-  [[nodiscard]] static constexpr Matrix Ones() { return Constant(T(1)); }
+  [[nodiscard]] static constexpr Matrix Zero() { return Matrix{Numbers{}}; }  ///< all entries 0
+  [[nodiscard]] static constexpr Matrix Ones() { return Constant(T(1)); }     ///< all entries 1
+  /// 1 on the diagonal, 0 elsewhere.
   [[nodiscard]] static constexpr Matrix Identity() {
     Matrix m = Zero();
     for (int i = 0; i < R && i < C; ++i) m(i, i) = T(1);
     return m;
   }
-  [[nodiscard]] static constexpr Matrix UnitX() { return unit(0); }
-  [[nodiscard]] static constexpr Matrix UnitY() { return unit(1); }
-  [[nodiscard]] static constexpr Matrix UnitZ() { return unit(2); }
+  [[nodiscard]] static constexpr Matrix UnitX() { return unit(0); }  ///< entry 0 is 1, the others 0
+  [[nodiscard]] static constexpr Matrix UnitY() { return unit(1); }  ///< entry 1 is 1, the others 0
+  [[nodiscard]] static constexpr Matrix UnitZ() { return unit(2); }  ///< entry 2 is 1, the others 0
   /// The numbers that lie there, by columns.
   [[nodiscard]] static COROTET_ALWAYS_INLINE Matrix load(const T* numbers) {
     Matrix m;
@@ -97,64 +104,74 @@ struct Matrix {
     return m;
   }
 
-  [[nodiscard]] static constexpr int rows() { return R; }
-  [[nodiscard]] static constexpr int cols() { return C; }
-  [[nodiscard]] static constexpr int size() { return R * C; }
-  [[nodiscard]] constexpr T* data() { return value_; }
-  [[nodiscard]] constexpr const T* data() const { return value_; }
+  [[nodiscard]] static constexpr int rows() { return R; }           ///< R
+  [[nodiscard]] static constexpr int cols() { return C; }           ///< C
+  [[nodiscard]] static constexpr int size() { return R * C; }       ///< R C
+  [[nodiscard]] constexpr T* data() { return value_; }              ///< the numbers, by columns
+  [[nodiscard]] constexpr const T* data() const { return value_; }  ///< the numbers, by columns
 
+  /// The entry in a row and a column, from 0.
   [[nodiscard]] constexpr T& operator()(int row, int column) { return value_[column * R + row]; }
+  /// The same, read-only.
   [[nodiscard]] constexpr const T& operator()(int row, int column) const { return value_[column * R + row]; }
   /// Number i, by columns.
   template <std::integral Subscript>
   [[nodiscard]] constexpr T& operator[](Subscript i) {
     return value_[i];
   }
+  /// The same, read-only.
   template <std::integral Subscript>
   [[nodiscard]] constexpr const T& operator[](Subscript i) const {
     return value_[i];
   }
+  /// The same as operator[].
   template <std::integral Subscript>
   [[nodiscard]] constexpr T& operator()(Subscript i) {
     return value_[i];
   }
+  /// The same as operator[].
   template <std::integral Subscript>
   [[nodiscard]] constexpr const T& operator()(Subscript i) const {
     return value_[i];
   }
-  [[nodiscard]] constexpr T& x() { return value_[0]; }
-  [[nodiscard]] constexpr T& y() { return value_[1]; }
-  [[nodiscard]] constexpr T& z() { return value_[2]; }
-  [[nodiscard]] constexpr T& w() { return value_[3]; }
-  [[nodiscard]] constexpr const T& x() const { return value_[0]; }
-  [[nodiscard]] constexpr const T& y() const { return value_[1]; }
-  [[nodiscard]] constexpr const T& z() const { return value_[2]; }
-  [[nodiscard]] constexpr const T& w() const { return value_[3]; }
-  [[nodiscard]] constexpr const T* begin() const { return value_; }
-  [[nodiscard]] constexpr const T* end() const { return value_ + R * C; }
-  [[nodiscard]] constexpr T* begin() { return value_; }
-  [[nodiscard]] constexpr T* end() { return value_ + R * C; }
+  [[nodiscard]] constexpr T& x() { return value_[0]; }                     ///< number 0
+  [[nodiscard]] constexpr T& y() { return value_[1]; }                     ///< number 1
+  [[nodiscard]] constexpr T& z() { return value_[2]; }                     ///< number 2
+  [[nodiscard]] constexpr T& w() { return value_[3]; }                     ///< number 3
+  [[nodiscard]] constexpr const T& x() const { return value_[0]; }         ///< number 0
+  [[nodiscard]] constexpr const T& y() const { return value_[1]; }         ///< number 1
+  [[nodiscard]] constexpr const T& z() const { return value_[2]; }         ///< number 2
+  [[nodiscard]] constexpr const T& w() const { return value_[3]; }         ///< number 3
+  [[nodiscard]] constexpr const T* begin() const { return value_; }        ///< the first number
+  [[nodiscard]] constexpr const T* end() const { return value_ + R * C; }  ///< behind the last number
+  [[nodiscard]] constexpr T* begin() { return value_; }                    ///< the first number
+  [[nodiscard]] constexpr T* end() { return value_ + R * C; }              ///< behind the last number
 
+  /// Adds b.
   COROTET_ALWAYS_INLINE constexpr Matrix& operator+=(const Matrix& b) & {
     COROTET_UNROLL
     for (int i = 0; i < R * C; ++i) value_[i] += b.value_[i];
     return *this;
   }
+  /// Subtracts b.
   COROTET_ALWAYS_INLINE constexpr Matrix& operator-=(const Matrix& b) & {
     COROTET_UNROLL
     for (int i = 0; i < R * C; ++i) value_[i] -= b.value_[i];
     return *this;
   }
+  /// Multiplies every entry.
   COROTET_ALWAYS_INLINE constexpr Matrix& operator*=(T factor) & {
     COROTET_UNROLL
     for (int i = 0; i < R * C; ++i) value_[i] *= factor;
     return *this;
   }
+  /// Divides every entry.
   COROTET_ALWAYS_INLINE constexpr Matrix& operator/=(T divisor) & {
     COROTET_UNROLL
     for (int i = 0; i < R * C; ++i) value_[i] /= divisor;
     return *this;
   }
+  /// Multiplies by b from the right.
   constexpr Matrix& operator*=(const Matrix& b) & requires(R == C && R > 1) {
     return *this = *this * b;
   } friend COROTET_ALWAYS_INLINE constexpr Matrix operator+(Matrix a, const Matrix& b) {
@@ -171,6 +188,7 @@ struct Matrix {
     return true;
   }
 
+  /// The same numbers in another precision.
   template <std::floating_point U>
   [[nodiscard]] COROTET_ALWAYS_INLINE constexpr Matrix<U, R, C> cast() const {
     Matrix<U, R, C> m;
@@ -178,6 +196,7 @@ struct Matrix {
     for (int i = 0; i < R * C; ++i) m[i] = static_cast<U>(value_[i]);
     return m;
   }
+  /// Rows become columns.
   [[nodiscard]] COROTET_ALWAYS_INLINE constexpr Matrix<T, C, R> transpose() const {
     Matrix<T, C, R> m;
     COROTET_UNROLL
@@ -199,6 +218,7 @@ struct Matrix {
     }
     return m;
   }
+  /// Writes `m` over the block that begins at (row, column).
   template <int h, int w>
   COROTET_ALWAYS_INLINE constexpr void set_block(int row, int column, const Matrix<T, h, w>& m) {
     COROTET_UNROLL
@@ -207,23 +227,29 @@ struct Matrix {
       for (int r = 0; r < h; ++r) (*this)(row + r, column + c) = m(r, c);
     }
   }
+  /// A column.
   [[nodiscard]] COROTET_ALWAYS_INLINE constexpr Matrix<T, R, 1> col(int c) const { return block<R, 1>(0, c); }
+  /// A row.
   [[nodiscard]] COROTET_ALWAYS_INLINE constexpr Matrix<T, 1, C> row(int r) const { return block<1, C>(r, 0); }
+  /// Replaces a column.
   COROTET_ALWAYS_INLINE constexpr void set_col(int c, const Matrix<T, R, 1>& v) { set_block(0, c, v); }
+  /// Replaces a row.
   COROTET_ALWAYS_INLINE constexpr void set_row(int r, const Matrix<T, 1, C>& v) { set_block(r, 0, v); }
-  /// The first and the last n numbers of a vector.
+  /// The first n numbers of a vector.
   template <int n>
   [[nodiscard]] COROTET_ALWAYS_INLINE constexpr Matrix<T, n, 1> head() const
     requires(C == 1)
   {
     return block<n, 1>(0, 0);
   }
+  /// The last n numbers of a vector.
   template <int n>
   [[nodiscard]] COROTET_ALWAYS_INLINE constexpr Matrix<T, n, 1> tail() const
     requires(C == 1)
   {
     return block<n, 1>(R - n, 0);
   }
+  /// Entries (i, i), as a column.
   [[nodiscard]] constexpr Matrix<T, R, 1> diagonal() const
     requires(R == C)
   {
@@ -232,19 +258,22 @@ struct Matrix {
     return d;
   }
 
+  /// The sum of all entries.
   [[nodiscard]] COROTET_ALWAYS_INLINE constexpr T sum() const {
     T total = value_[0];
     COROTET_UNROLL
     for (int i = 1; i < R * C; ++i) total += value_[i];
     return total;
   }
-  [[nodiscard]] constexpr T trace() const { return diagonal().sum(); }
+  [[nodiscard]] constexpr T trace() const { return diagonal().sum(); }  ///< the sum of entries (i, i)
+  /// The sum of products of entries at the same place.
   [[nodiscard]] COROTET_ALWAYS_INLINE constexpr T dot(const Matrix& b) const {
     T total = value_[0] * b.value_[0];
     COROTET_UNROLL
     for (int i = 1; i < R * C; ++i) total += value_[i] * b.value_[i];
     return total;
   }
+  /// The sum of squares of all entries.
   [[nodiscard]] COROTET_ALWAYS_INLINE constexpr T squaredNorm() const { return dot(*this); }
   /// Euclidean, of a matrix that of Frobenius.
   [[nodiscard]] T norm() const { return detail::square_root(squaredNorm()); }
@@ -258,32 +287,39 @@ struct Matrix {
     const T length = norm();
     return length > 0 ? *this / length : *this;
   }
-  void normalize() { *this = normalized(); }
+  void normalize() { *this = normalized(); }  ///< to length 1; zero stays zero
+  /// The same as normalized() for numbers whose squares leave the range of T.
   [[nodiscard]] Matrix stableNormalized() const {
     const T largest = cwiseAbs().maxCoeff();
     return largest > 0 ? (*this / largest).normalized() : *this;
   }
 
+  /// The smaller of each two entries.
   [[nodiscard]] constexpr Matrix cwiseMin(const Matrix& b) const {
     return each([](T p, T q) { return q < p ? q : p; }, b);
   }
+  /// The larger of each two entries.
   [[nodiscard]] constexpr Matrix cwiseMax(const Matrix& b) const {
     return each([](T p, T q) { return p < q ? q : p; }, b);
   }
+  /// The larger of each entry and b.
   [[nodiscard]] constexpr Matrix cwiseMax(T b) const { return cwiseMax(Constant(b)); }
+  /// Products of entries at the same place.
   [[nodiscard]] constexpr Matrix cwiseProduct(const Matrix& b) const {
     return each([](T p, T q) { return p * q; }, b);
   }
+  /// The absolute value of each entry.
   [[nodiscard]] constexpr Matrix cwiseAbs() const {
     return each([](T p, T) { return p < 0 ? -p : p; }, *this);
   }
+  /// The smallest entry.
   [[nodiscard]] constexpr T minCoeff() const {
     T least = value_[0];
     for (int i = 1; i < R * C; ++i)
       if (value_[i] < least) least = value_[i];
     return least;
   }
-  [[nodiscard]] constexpr T maxCoeff() const { return value_[index_of_max()]; }
+  [[nodiscard]] constexpr T maxCoeff() const { return value_[index_of_max()]; }  ///< the largest entry
   /// Where the largest number stands, by columns; the first of equals.
   [[nodiscard]] constexpr int index_of_max() const {
     int best = 0;
@@ -291,14 +327,16 @@ struct Matrix {
       if (value_[best] < value_[i]) best = i;
     return best;
   }
+  /// Whether no entry is infinite or not a number.
   [[nodiscard]] bool allFinite() const {
     bool finite = true;
     for (int i = 0; i < R * C; ++i) finite = finite && std::isfinite(value_[i]);
     return finite;
   }
-  [[nodiscard]] constexpr bool isZero() const { return *this == Zero(); }
-  void setZero() { *this = Zero(); }
+  [[nodiscard]] constexpr bool isZero() const { return *this == Zero(); }  ///< whether every entry is 0
+  void setZero() { *this = Zero(); }                                       ///< every entry
 
+  /// The cross product with b.
   [[nodiscard]] COROTET_ALWAYS_INLINE constexpr Matrix cross(const Matrix& b) const
     requires(R* C == 3)
   {
@@ -315,11 +353,13 @@ struct Matrix {
       if (std::fabs(value_[i]) < std::fabs(value_[least])) least = i;
     return cross(unit(least)).normalized();
   }
+  /// Of a 3x3 matrix.
   [[nodiscard]] COROTET_ALWAYS_INLINE constexpr T determinant() const
     requires(R == 3 && C == 3)
   {
     return col(0).dot(col(1).cross(col(2)));
   }
+  /// Of a 3x3 matrix whose determinant is not 0.
   [[nodiscard]] constexpr Matrix inverse() const
     requires(R == 3 && C == 3)
   {
@@ -350,6 +390,7 @@ struct Matrix {
   T value_[std::size_t{R * C}];
 };
 
+/// The product of matrices.
 template <class T, int R, int K, int C>
 [[nodiscard]] COROTET_ALWAYS_INLINE constexpr Matrix<T, R, C> operator*(const Matrix<T, R, K>& a,
                                                                         const Matrix<T, K, C>& b) {
@@ -372,6 +413,8 @@ template <class T, int R, int K, int C>
   }
   return ab;
 }
+
+namespace detail {
 
 /// R x C numbers that lie in a larger array, by columns: a matrix to write to.
 template <std::floating_point T, int R, int C>
@@ -404,6 +447,8 @@ class MatrixView {
  private:
   T* numbers_;
 };
+
+}  // namespace detail
 
 // NOLINTEND(readability-identifier-naming)
 

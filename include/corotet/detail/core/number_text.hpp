@@ -6,7 +6,7 @@
 #include <concepts>
 #include <string>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// As few digits as tell the number from its neighbours, the same in every locale: "-1e-09", "0.3".
 [[nodiscard]] inline std::string number_text(std::floating_point auto value) {
@@ -15,4 +15,4 @@ namespace corotet::inline v0_1 {
   return {digits.data(), end};
 }
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

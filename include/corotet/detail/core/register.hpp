@@ -11,6 +11,8 @@
 #include <utility>
 
 namespace corotet::inline v0_1 {
+
+namespace detail {
 inline namespace COROTET_ISA {
 
 /// N numbers (a power of two) with the arithmetic of one. Loads and stores may be unaligned. Code that keeps fewer than
@@ -45,7 +47,7 @@ class SimdVec {
   [[nodiscard]] COROTET_ALWAYS_INLINE SimdVec first_three() const
     requires(N == 4)
   {
-    if constexpr (detail::Whole<Pack>) {
+    if constexpr (Whole<Pack>) {
       return SimdVec(Pack(detail::first_three(pack_.value)));
     } else {
       std::array<Scalar, 4> numbers;
@@ -59,22 +61,22 @@ class SimdVec {
   COROTET_ALWAYS_INLINE SimdVec& operator-=(const SimdVec& b) { return *this = *this - b; }
 
   friend COROTET_ALWAYS_INLINE SimdVec operator+(const SimdVec& a, const SimdVec& b) {
-    return SimdVec(detail::map<Pack>([](const auto& x, const auto& y) { return x + y; }, a.pack_, b.pack_));
+    return SimdVec(map<Pack>([](const auto& x, const auto& y) { return x + y; }, a.pack_, b.pack_));
   }
   friend COROTET_ALWAYS_INLINE SimdVec operator-(const SimdVec& a, const SimdVec& b) {
-    return SimdVec(detail::map<Pack>([](const auto& x, const auto& y) { return x - y; }, a.pack_, b.pack_));
+    return SimdVec(map<Pack>([](const auto& x, const auto& y) { return x - y; }, a.pack_, b.pack_));
   }
   friend COROTET_ALWAYS_INLINE SimdVec operator*(const SimdVec& a, const SimdVec& b) {
-    return SimdVec(detail::map<Pack>([](const auto& x, const auto& y) { return x * y; }, a.pack_, b.pack_));
+    return SimdVec(map<Pack>([](const auto& x, const auto& y) { return x * y; }, a.pack_, b.pack_));
   }
 
   /// The transpose of the 3x3 matrix with columns a, b, c, by columns with zeros behind them.
   friend COROTET_ALWAYS_INLINE std::array<SimdVec, 3> transposed(const SimdVec& a, const SimdVec& b, const SimdVec& c)
     requires(N == 4)
   {
-    if constexpr (detail::Whole<Pack>) {
-      const auto rows = detail::interleave4(a.pack_.value, b.pack_.value, c.pack_.value, Pack(Scalar(0)).value,
-                                            std::make_integer_sequence<int, N>());
+    if constexpr (Whole<Pack>) {
+      const auto rows = interleave4(a.pack_.value, b.pack_.value, c.pack_.value, Pack(Scalar(0)).value,
+                                    std::make_integer_sequence<int, N>());
       return {SimdVec(Pack(rows[0])), SimdVec(Pack(rows[1])), SimdVec(Pack(rows[2]))};
     } else {
       std::array<std::array<Scalar, 4>, 3> m;
@@ -101,18 +103,25 @@ template <std::floating_point Scalar>
 using Vec4 = SimdVec<Scalar, 4>;
 
 }  // namespace COROTET_ISA
+}  // namespace detail
 
-/// A field in which each 3-vector has a zero behind it, so that it is loaded and stored as a Quad.
+/// A field in which each 3-vector has a zero behind it, so that it is loaded and stored as a Vec4.
 template <std::floating_point Scalar>
 struct alignas(4 * sizeof(Scalar)) PaddedVector : std::array<Scalar, 4> {
-  [[nodiscard]] COROTET_ALWAYS_INLINE Vec4<Scalar> vec4() const { return Vec4<Scalar>::load(this->data()); }
+  /// The vector and its zero in one register.
+  [[nodiscard]] COROTET_ALWAYS_INLINE detail::Vec4<Scalar> vec4() const {
+    return detail::Vec4<Scalar>::load(this->data());
+  }
   /// The fourth number of `q` must be zero.
-  COROTET_ALWAYS_INLINE void set(const Vec4<Scalar>& q) { q.store(this->data()); }
+  COROTET_ALWAYS_INLINE void set(const detail::Vec4<Scalar>& q) { q.store(this->data()); }
+  /// Sets the vector, and the zero behind it.
   COROTET_ALWAYS_INLINE void set(const Vec3<Scalar>& v) {
     static_cast<std::array<Scalar, 4>&>(*this) = {v[0], v[1], v[2], 0};
   }
+  /// The vector alone.
   [[nodiscard]] Vec3<Scalar> vector() const { return {(*this)[0], (*this)[1], (*this)[2]}; }
 };
+/// One padded vector a vertex.
 template <std::floating_point Scalar>
 using PaddedField = detail::Buffer<PaddedVector<Scalar>>;
 

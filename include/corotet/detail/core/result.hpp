@@ -28,10 +28,11 @@ enum class ErrorCode {
 
 /// What happened, where, and why.
 struct Error {
-  ErrorCode code = ErrorCode::invalid_argument;
+  ErrorCode code = ErrorCode::invalid_argument;  ///< what kind of mistake
   std::string where;   ///< file with line or byte offset, element, vertex, or parameter: "beam.msh:12", "element 7"
   std::string reason;  ///< what was found there and what was expected
 
+  /// One line for a user: `where: reason`.
   [[nodiscard]] std::string message() const { return where.empty() ? reason : where + ": " + reason; }
 };
 
@@ -72,14 +73,19 @@ template <class T>
 class [[nodiscard]] Result {
  public:
   // Implicit on purpose: `return value;` and `return Error{...};` are the two ways to end a function.
+  /// A success.
   Result(T value) : value_(std::move(value)), ok_(true) {}  // NOLINT(google-explicit-constructor)
-  Result(Error error) : error_(std::move(error)) {}         // NOLINT(google-explicit-constructor)
+  /// A failure.
+  Result(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
+  /// Copies the value or the error.
   Result(const Result& other) : error_(other.error_) {
     if (other.ok_) hold(other.value_);
   }
+  /// Moves the value or the error.
   Result(Result&& other) noexcept : error_(std::move(other.error_)) {
     if (other.ok_) hold(std::move(other.value_));
   }
+  /// Takes over the value or the error.
   Result& operator=(Result other) noexcept {
     drop();
     if (other.ok_) hold(std::move(other.value_));
@@ -88,28 +94,39 @@ class [[nodiscard]] Result {
   }
   ~Result() { drop(); }
 
+  /// Whether there is a value.
   [[nodiscard]] bool ok() const { return ok_; }
+  /// The same as ok().
   explicit operator bool() const { return ok_; }
 
+  /// The value. A failed result has none: asking for it is a mistake of the program (COROTET_ASSERT).
   [[nodiscard]] T& value() & {
     COROTET_ASSERT(ok_, "test a Result before taking its value");
     return value_;
   }
+  /// The same, read-only.
   [[nodiscard]] const T& value() const& {
     COROTET_ASSERT(ok_, "test a Result before taking its value");
     return value_;
   }
+  /// The same, to be moved from.
   [[nodiscard]] T&& value() && {
     COROTET_ASSERT(ok_, "test a Result before taking its value");
     return std::move(value_);
   }
 
+  /// The same as value().
   [[nodiscard]] T& operator*() & { return value(); }
+  /// The same as value().
   [[nodiscard]] const T& operator*() const& { return value(); }
+  /// The same as value().
   [[nodiscard]] T&& operator*() && { return std::move(*this).value(); }
+  /// A member of value().
   [[nodiscard]] T* operator->() { return &value(); }
+  /// A member of value().
   [[nodiscard]] const T* operator->() const { return &value(); }
 
+  /// The error. A success has none: asking for it is a mistake of the program.
   [[nodiscard]] const Error& error() const {
     COROTET_ASSERT(!ok_, "this Result holds a value, not an error");
     return *error_.get();
@@ -138,11 +155,15 @@ template <>
 class [[nodiscard]] Result<void> {
  public:
   Result() = default;
+  /// A failure.
   Result(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor): as above
 
+  /// Whether it succeeded.
   [[nodiscard]] bool ok() const { return error_.get() == nullptr; }
+  /// The same as ok().
   explicit operator bool() const { return ok(); }
 
+  /// The error. A success has none: asking for it is a mistake of the program.
   [[nodiscard]] const Error& error() const {
     COROTET_ASSERT(!ok(), "this Result is a success, it has no error");
     return *error_.get();

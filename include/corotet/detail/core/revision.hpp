@@ -10,15 +10,19 @@ namespace corotet::inline v0_1 {
 /// other but that.
 struct Revision {
   const void* module = nullptr;  ///< of the program that numbered it: shared libraries may count each for itself
-  std::uint64_t number = 0;
+  std::uint64_t number = 0;      ///< counted from 1; 0: none
 
   friend bool operator==(const Revision&, const Revision&) = default;
 };
+
+namespace detail {
 
 /// Another at every call, on any thread, in any shared library.
 [[nodiscard]] inline Revision new_revision() {
   static std::atomic<std::uint64_t> last{0};
   return {&last, last.fetch_add(1, std::memory_order_relaxed) + 1};
 }
+
+}  // namespace detail
 
 }  // namespace corotet::inline v0_1

@@ -13,6 +13,7 @@ namespace corotet::inline v0_1 {
 /// `tbb::global_control`, to bound the number of threads. oneTBB keeps its own pool of task objects: that a step
 /// allocates nothing is promised for the library, not for oneTBB.
 struct TbbExecutor {
+  /// Runs tasks 0 ... count - 1 on the threads of oneTBB; returns when all have ended.
   void operator()(Index count, TaskRef task) const {
     oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<Index>(0, count),
                               [task](const oneapi::tbb::blocked_range<Index>& range) {

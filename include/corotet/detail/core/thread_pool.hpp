@@ -47,6 +47,7 @@ class ThreadPool {
   /// The calling thread included.
   [[nodiscard]] int thread_count() const { return static_cast<int>(shares_.size()); }
 
+  /// Runs tasks 0 ... count - 1 on the pool's threads and on the caller's; returns when all have ended.
   void operator()(Index count, TaskRef task) {
     if (workers_.empty() || count <= 1) {
       for (Index i = 0; i < count; ++i) task(i);

@@ -13,9 +13,11 @@ namespace corotet::inline v0_1 {
 /// Index of a vertex, an element or a block. Signed, so that differences are safe.
 using Index = std::int32_t;
 
+/// Three numbers, as a column: a position, velocity or force.
 template <std::floating_point Scalar>
 using Vec3 = Matrix<Scalar, 3, 1>;
 
+/// A 3x3 matrix.
 template <std::floating_point Scalar>
 using Mat3 = Matrix<Scalar, 3, 3>;
 

@@ -28,6 +28,8 @@
 
 namespace corotet::inline v0_1 {
 
+namespace detail {
+
 /// The backward differentiation formula of second order for steps of any length: docs/theory.md, equation 12 (Hairer,
 /// Nørsett & Wanner 1993, section III.5).
 ///
@@ -86,14 +88,14 @@ class Bdf2Scheme {
   }
 
   /// For snapshots.
-  void visit_state(detail::StateArchive& archive, const Body& body) {
+  void visit_state(StateArchive& archive, const Body& body) {
     archive(last_position_);
     archive(last_velocity_);
     archive(last_h_);
     archive(shift_);
     archive(pinned_);
-    detail::visit_revision(archive, motion_, body.motion_revision());
-    detail::visit_revision(archive, pins_, body.pins().revision());
+    visit_revision(archive, motion_, body.motion_revision());
+    visit_revision(archive, pins_, body.pins().revision());
   }
 
  private:
@@ -147,19 +149,21 @@ class Bdf2Scheme {
     const double rounding = 2 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) *
                             detail::square_root(sums[8]) / static_cast<double>(last_h_);
     const double before = spread(0, 2), change = (std::max)(0.0, spread(1, 5) - rounding);
-    if (detail::is_zero(change)) return h;
+    if (is_zero(change)) return h;
     return h * static_cast<Scalar>(before > 0 ? std::clamp(2 - 2 * change / before, 0.0, 1.0) : 0.0);
   }
 
   DeterministicReduction<9> sums_;
   Field<Scalar> last_position_, last_velocity_;  // before the last step
   Field<Scalar> x_history_, v_history_;
-  detail::Buffer<PinnedAxes> pinned_;          // in the last step
+  Buffer<PinnedAxes> pinned_;                  // in the last step
   Vec3<double> shift_ = Vec3<double>::Zero();  // of the body's origin, to which last_position_ refers
   Scalar last_h_ = 0;
   Revision pins_;
   Revision motion_;  // of the state after the last step, if it can be continued
 };
+
+}  // namespace detail
 
 /// The integrator of second order, BDF2: error O(h^2), little damping of slow vibrations.
 ///
@@ -172,21 +176,25 @@ template <class Body, class Solver = AutoSolver<typename Body::scalar_type>>
   requires LinearSolver<Solver, typename Body::scalar_type>
 class Bdf2 {
  public:
-  using Scalar = typename Body::scalar_type;
-  using Implementation = Integrator<Body, Bdf2Scheme<Body>, Solver>;
+  using Scalar = typename Body::scalar_type;                                  ///< of the body
+  using Implementation = Integrator<Body, detail::Bdf2Scheme<Body>, Solver>;  ///< what it is made of
 
   /// Symbolic work and memory for `body` and its copies.
   explicit Bdf2(const Body& body, const Solver& solver = Solver(), const StepOptions& newton = {});
+  /// The same with the options of the solver alone.
   Bdf2(const Body& body, const typename Solver::Options& options, const StepOptions& newton = {})
       : Bdf2(body, Solver(options), newton) {}
 
+  /// The linear solver, with its options.
   [[nodiscard]] const Solver& solver() const { return implementation_.solver(); }
+  /// The options of the step's equation.
   [[nodiscard]] const StepOptions& newton() const { return implementation_.newton(); }
 
   /// Advances `body` by `h` seconds: see ImplicitEuler::step.
   StepReport step(Body& body, Scalar h, ExecutorRef executor = {}, PhaseObserver observer = {}) {
     return step(body, h, StepContext<Scalar>{executor, observer, {}, {}});
   }
+  /// The same with terms: see ImplicitEuler::step.
   StepReport step(Body& body, Scalar h, const StepContext<Scalar>& context);
 
   /// Bytes that the integrator takes besides the body, and those that it shares with its copies.

@@ -25,9 +25,9 @@ namespace corotet::inline v0_1 {
 
 /// How a body is discretised.
 struct BodyOptions {
-  MassModel mass = MassModel::lumped;
-  RayleighDamping damping = {};
-  VolumetricStrain volumetric_strain = VolumetricStrain::pointwise;
+  MassModel mass = MassModel::lumped;                                ///< lumped or consistent
+  RayleighDamping damping = {};                                      ///< 1/s and s; none by default
+  VolumetricStrain volumetric_strain = VolumetricStrain::pointwise;  ///< pointwise, or averaged against locking
   /// Vertices that no element couples but a StepTerm shall: a spring between two points of the body, self-contact.
   Stencils couplings = {};
 };
@@ -40,9 +40,9 @@ struct BodyOptions {
 template <std::floating_point Scalar, ReferenceElement Element = Tet4, ElasticLaw LawType = Polar>
 class BodyModel {
  public:
-  using Mesh = TetMesh<Scalar, Element>;
-  using Law = Elasticity<Scalar, Element, LawType>;
-  using Pointer = std::shared_ptr<const BodyModel>;
+  using Mesh = TetMesh<Scalar, Element>;             ///< of the body
+  using Law = Elasticity<Scalar, Element, LawType>;  ///< the elastic law on the mesh
+  using Pointer = std::shared_ptr<const BodyModel>;  ///< how bodies hold it
 
   /// Errors: unsupported for a mean dilatation with another model than the corotated one; invalid_argument for a
   /// material (see Materials::validate), negative damping, or couplings that name no
@@ -53,11 +53,17 @@ class BodyModel {
   /// The same body of other materials. Mesh and pattern are shared with this model. Errors as for `create`.
   [[nodiscard]] COROTET_COLD Result<Pointer> with_materials(const Materials& materials) const;
 
+  /// Mesh in the rest configuration.
   [[nodiscard]] const Mesh& mesh() const { return *mesh_; }
+  /// Elastic law: forces and energies of elements.
   [[nodiscard]] const Law& law() const { return law_; }
+  /// Mass matrix.
   [[nodiscard]] const Mass<Scalar>& mass() const { return mass_; }
+  /// Materials, one for the body or one for each element.
   [[nodiscard]] const Materials& materials() const { return materials_; }
+  /// The options that it was made with.
   [[nodiscard]] const BodyOptions& options() const { return options_; }
+  /// Which vertices the matrices couple.
   [[nodiscard]] const std::shared_ptr<const BlockPattern>& pattern() const { return pattern_; }
 
   /// How long sound takes through the body where it is thin, s: see hydraulic_diameter.
@@ -87,7 +93,7 @@ class BodyModel {
   Mass<Scalar> mass_;
   double hydraulic_diameter_, wave_transit_time_;
   std::uint64_t fingerprint_ = 0;
-  Revision revision_ = new_revision();
+  Revision revision_ = detail::new_revision();
 };
 
 // Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
@@ -100,8 +106,8 @@ BodyModel<Scalar, Element, LawType>::BodyModel(Mesh mesh, const Materials& mater
       pattern_(std::make_shared<const BlockPattern>(
           BlockPattern::of(mesh_->elements(), mesh_->vertex_count(), law_.stencils(), options.couplings))),
       mass_(*mesh_, materials, options.mass, *pattern_),
-      hydraulic_diameter_(hydraulic_diameter(*mesh_)),
-      wave_transit_time_(corotet::wave_transit_time(hydraulic_diameter_, materials, mesh_->element_count())) {
+      hydraulic_diameter_(detail::hydraulic_diameter(*mesh_)),
+      wave_transit_time_(corotet::detail::wave_transit_time(hydraulic_diameter_, materials, mesh_->element_count())) {
   set_fingerprint();
 }
 
@@ -161,9 +167,10 @@ Result<std::shared_ptr<const BodyModel<Scalar, Element, LawType>>> BodyModel<Sca
   model->materials_ = materials;
   model->law_.set_materials(materials);
   model->mass_ = Mass<Scalar>(*mesh_, materials, options_.mass, *pattern_);
-  model->wave_transit_time_ = corotet::wave_transit_time(hydraulic_diameter_, materials, mesh_->element_count());
+  model->wave_transit_time_ =
+      corotet::detail::wave_transit_time(hydraulic_diameter_, materials, mesh_->element_count());
   model->set_fingerprint();
-  model->revision_ = new_revision();
+  model->revision_ = detail::new_revision();
   return owner;
 }
 

@@ -14,7 +14,7 @@
 #include <corotet/detail/solve/deterministic_reduction.hpp>
 #include <limits>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// Compares the energy after a step with that before it and the work of terms and pins.
 ///
@@ -117,10 +117,10 @@ class EnergyBound {
   [[nodiscard]] MemoryUse memory() const { return MemoryUse{bytes_of(scratch_), 0} + sums_.memory(); }
 
   /// For snapshots.
-  void visit_state(detail::StateArchive& archive, const Body& body) {
+  void visit_state(StateArchive& archive, const Body& body) {
     archive(elastic_after_);
     archive(excess_);
-    detail::visit_revision(archive, revision_, body.revision());
+    visit_revision(archive, revision_, body.revision());
   }
 
  private:
@@ -130,11 +130,11 @@ class EnergyBound {
   /// (h w)^2 / 2 in each step, and is drawn back in the next: to solve that again would only damp its rotation.
   static constexpr double min_stress = 0.1;
 
-  detail::Buffer<double> scratch_;
+  Buffer<double> scratch_;
   DeterministicReduction<5> sums_;
   double vertices_;
   double elastic_ = 0, elastic_after_ = 0, terms_ = 0, gained_ = 0, kinetic_ = 0, excess_ = 0;  // J
   Revision revision_;  // of the body that has elastic_after_
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

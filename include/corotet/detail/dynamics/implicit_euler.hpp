@@ -34,15 +34,18 @@ template <class Body, class Solver = AutoSolver<typename Body::scalar_type>>
   requires LinearSolver<Solver, typename Body::scalar_type>
 class ImplicitEuler {
  public:
-  using Scalar = typename Body::scalar_type;
-  using Implementation = Integrator<Body, BackwardEulerScheme<Body>, Solver>;
+  using Scalar = typename Body::scalar_type;                                           ///< of the body
+  using Implementation = Integrator<Body, detail::BackwardEulerScheme<Body>, Solver>;  ///< what it is made of
 
   /// Symbolic work and memory for `body` and its copies.
   explicit ImplicitEuler(const Body& body, const Solver& solver = Solver(), const StepOptions& newton = {});
+  /// The same with the options of the solver alone.
   ImplicitEuler(const Body& body, const typename Solver::Options& options, const StepOptions& newton = {})
       : ImplicitEuler(body, Solver(options), newton) {}
 
+  /// The linear solver, with its options.
   [[nodiscard]] const Solver& solver() const { return implementation_.solver(); }
+  /// The options of the step's equation.
   [[nodiscard]] const StepOptions& newton() const { return implementation_.newton(); }
 
   /// Advances `body` by `h` seconds. Whatever happens is in the report; a refused step leaves the body untouched.

@@ -21,6 +21,8 @@
 
 namespace corotet::inline v0_1 {
 
+namespace detail {
+
 /// Steps one piece of a body, or a body of one piece.
 template <class Body, TimeScheme<Body> Scheme, class Solver>
 class PieceIntegrator {
@@ -63,6 +65,8 @@ class PieceIntegrator {
   Scheme scheme_;
 };
 
+}  // namespace detail
+
 /// The integrator that ImplicitEuler and Bdf2 are made of, for a TimeScheme of your own.
 ///
 /// Use it to try another time discretisation: solves, pins, terms, momenta and reports come with it. For backward Euler
@@ -73,8 +77,8 @@ template <class Body, TimeScheme<Body> Scheme, class Solver>
   requires LinearSolver<Solver, typename Body::scalar_type>
 class Integrator {
  public:
-  using Scalar = typename Body::scalar_type;
-  using Piece = PieceIntegrator<Body, Scheme, Solver>;
+  using Scalar = typename Body::scalar_type;                    ///< of the body
+  using Piece = detail::PieceIntegrator<Body, Scheme, Solver>;  ///< steps one piece of the body
 
   /// Symbolic work and memory for `body` and its copies.
   COROTET_COLD Integrator(const Body& body, const Solver& solver, const StepOptions& newton)
@@ -84,6 +88,7 @@ class Integrator {
     reports_ = detail::Buffer<StepReport>(at(pieces_.count()));
   }
 
+  /// The options of the step's equation.
   [[nodiscard]] const StepOptions& newton() const { return options_; }
   /// Of the first piece.
   [[nodiscard]] const Solver& solver() const { return integrators_.front().solver(); }
@@ -107,7 +112,7 @@ class Integrator {
   template <class StepPiece>
   StepReport step_pieces(Body& body, const StepContext<Scalar>& context, const StepPiece& step_piece) {
     if (pieces_.count() == 0) return step_piece(0, integrators_.front(), body, context);
-    const StepReport error = check_step(body, Scalar(1), options_);  // in the numbers of the whole body
+    const StepReport error = detail::check_step(body, Scalar(1), options_);  // in the numbers of the whole body
     if (!error.accepted()) return error;
     pieces_.take_from(body);
     const auto step_one = [&](Index p, StepContext<Scalar> inner) {
@@ -125,7 +130,7 @@ class Integrator {
   /// Bytes that the integrator takes besides the body, and those that it shares with its copies.
   [[nodiscard]] COROTET_COLD MemoryUse memory() const {
     MemoryUse use = pieces_.memory();
-    use.owned += integrators_.capacity() * sizeof(Piece) + bytes_of(reports_);
+    use.owned += integrators_.capacity() * sizeof(Piece) + detail::bytes_of(reports_);
     for (const Piece& integrator : integrators_) use += integrator.memory();
     return use;
   }
@@ -158,7 +163,7 @@ class Integrator {
 
   [[nodiscard]] StepReport join(Body& body) {
     StepReport all = reports_.front();
-    for (std::size_t p = 1; p < reports_.size(); ++p) all = worse_of(all, reports_[p]);
+    for (std::size_t p = 1; p < reports_.size(); ++p) all = detail::worse_of(all, reports_[p]);
     for (std::size_t p = 0; p < reports_.size(); ++p)
       if (!reports_[p].accepted()) {
         if (reports_[p].vertex >= 0) all.vertex = pieces_.whole_vertex(static_cast<Index>(p), reports_[p].vertex);
@@ -172,7 +177,7 @@ class Integrator {
   }
 
   StepOptions options_;
-  Pieces<Body> pieces_;
+  detail::Pieces<Body> pieces_;
   detail::FixedArray<Piece> integrators_;
   detail::Buffer<StepReport> reports_;  // of pieces
 };

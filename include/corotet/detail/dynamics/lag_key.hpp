@@ -6,7 +6,7 @@
 #include <corotet/detail/core/state_archive.hpp>
 #include <cstdint>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// Numbers the eras in which a step's matrix changes with the displacement alone, or nearly so: what a preconditioner
 /// has factored serves until the next. Steps whose length varies from frame to frame are one era as long as they differ
@@ -33,12 +33,12 @@ class LagKey {
   }
 
   /// For snapshots. `now`: the present revisions, in place of those of the state that is read.
-  void visit_state(detail::StateArchive& archive, const Revision& materials, const Revision& pins) {
+  void visit_state(StateArchive& archive, const Revision& materials, const Revision& pins) {
     archive(lag_key_);
     archive(begin_.mass_factor);
     archive(begin_.stiffness_factor);
-    detail::visit_revision(archive, begin_.materials, materials);
-    detail::visit_revision(archive, begin_.pins, pins);
+    visit_revision(archive, begin_.materials, materials);
+    visit_revision(archive, begin_.pins, pins);
   }
 
  private:
@@ -48,4 +48,4 @@ class LagKey {
   std::uint64_t lag_key_ = 0;
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

@@ -3,7 +3,7 @@
 
 #include <concepts>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// The largest of 1, 1/2, 1/4, ... for which `change(fraction)` is at most 1e-4 fraction slope + noise (Armijo 1966;
 /// Nocedal & Wright 2006, algorithm 3.1), or 0 if there is none. `change`: of an energy from fraction 0; `slope` < 0:
@@ -17,4 +17,4 @@ template <std::invocable<double> Change>
   return 0;
 }
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

@@ -23,7 +23,7 @@
 #include <optional>
 #include <span>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// The equation of a TimeStep with the elastic force linearised at x_k = x_history + gamma v_k: docs/theory.md,
 /// equation 13. A v = M v_history + gamma (f + f_el(x_k)) + gamma^2 K v_k with A = M + gamma D + gamma^2 K, and f the
@@ -302,4 +302,4 @@ class LinearizedStep {
   std::uint64_t lag_key_number_ = 0;
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

@@ -39,7 +39,7 @@ void element_measures(const Body& body, std::span<ElementMeasures<typename Body:
 template <class Body>
 class PinReactions {
  public:
-  using Scalar = typename Body::scalar_type;
+  using Scalar = typename Body::scalar_type;  ///< of the body
 
   /// Memory.
   COROTET_COLD explicit PinReactions(const Body& body)
@@ -78,6 +78,7 @@ class PinReactions {
 
   /// The pinned vertices when this was evaluated, and the force of each pin, N.
   [[nodiscard]] std::span<const Index> vertices() const { return vertices_; }
+  /// The force of each pin on the body, N, in the order of Pins::vertices.
   [[nodiscard]] std::span<const Vec3<Scalar>> forces() const { return forces_; }
 
   /// N.

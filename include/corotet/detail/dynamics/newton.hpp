@@ -9,7 +9,7 @@
 #include <corotet/detail/dynamics/step_options.hpp>
 #include <corotet/detail/solve/solver.hpp>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// A stationary point that Newton's method looks for, of an energy Phi (J) whose gradient at the iterate is g and whose
 /// tangent is A. All refer to the problem's own iterate.
@@ -82,4 +82,4 @@ template <NewtonProblem Problem>
   }
 }
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

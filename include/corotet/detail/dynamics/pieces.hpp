@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// Pieces that no element, patch or coupling joins move exactly as each does alone: in the solver's tolerance, in spin,
 /// momentum, energy bound and division of steps. So each is a body with an integrator of its own, and what the caller
@@ -69,10 +69,10 @@ class Pieces {
   }
 
   /// For snapshots: of a body that has this state.
-  COROTET_COLD void visit_state(detail::StateArchive& archive, const Body& body) {
-    detail::visit_revision(archive, motion_, body.motion_revision());
-    detail::visit_revision(archive, materials_, body.material_revision());
-    detail::visit_revision(archive, pins_, body.pins().revision());
+  COROTET_COLD void visit_state(StateArchive& archive, const Body& body) {
+    visit_revision(archive, motion_, body.motion_revision());
+    visit_revision(archive, materials_, body.material_revision());
+    visit_revision(archive, pins_, body.pins().revision());
     archive(shift_);
     for (Piece& piece : pieces_) piece.body.visit_state(archive);
   }
@@ -122,7 +122,7 @@ class Pieces {
     std::vector<std::vector<Index>> elements(at(piece_count_));
     for (Index e = 0; e < body.mesh().element_count(); ++e)
       elements[at(piece_of_[at(body.mesh().element(e)[0])])].push_back(e);
-    pieces_ = detail::FixedArray<Piece>(elements.size());
+    pieces_ = FixedArray<Piece>(elements.size());
     for (std::vector<Index>& of_piece : elements) {
       std::vector<Index> vertex;
       auto mesh = body.mesh().part(of_piece, vertex);
@@ -188,7 +188,7 @@ class Pieces {
     pins_ = body.pins().revision();
   }
 
-  detail::FixedArray<Piece> pieces_;
+  FixedArray<Piece> pieces_;
   std::vector<Index> piece_of_, local_;  // one a vertex of the whole body
   Field<Scalar> displacement_, velocity_;
   Vec3<double> shift_ = Vec3<double>::Zero();  // of the body's origin, as the pieces know it
@@ -196,4 +196,4 @@ class Pieces {
   Revision motion_, materials_, pins_;  // of the body, as the pieces know it
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

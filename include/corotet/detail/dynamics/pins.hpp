@@ -14,12 +14,17 @@ namespace corotet::inline v0_1 {
 
 /// The components of a vertex's position that a pin prescribes.
 struct PinnedAxes {
-  bool x = true, y = true, z = true;
+  bool x = true;  ///< whether the x component is prescribed
+  bool y = true;  ///< whether the y component is prescribed
+  bool z = true;  ///< whether the z component is prescribed
 
+  /// Whether component i is prescribed.
   [[nodiscard]] bool operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
+  /// Whether all three are prescribed.
   [[nodiscard]] bool all() const { return x && y && z; }
   friend bool operator==(const PinnedAxes&, const PinnedAxes&) = default;
 
+  /// For snapshots.
   void visit_state(detail::StateArchive& archive) {
     archive(x);
     archive(y);
@@ -32,6 +37,7 @@ struct PinnedAxes {
 template <std::floating_point Scalar>
 class Pins {
  public:
+  /// No pins yet, for a body of so many vertices.
   explicit Pins(Index vertices) : slot_(at(vertices), none) {}
 
   /// Holds `vertex` at a displacement, whose other components than `axes` do not matter; moves it there if it is pinned
@@ -45,10 +51,10 @@ class Pins {
       vertices_.push_back(vertex);
       targets_.push_back(displacement);
       axes_.push_back(axes);
-      revision_ = new_revision();
+      revision_ = detail::new_revision();
     }
     const std::size_t slot = at(slot_[at(vertex)]);
-    if (!(axes_[slot] == axes)) revision_ = new_revision();
+    if (!(axes_[slot] == axes)) revision_ = detail::new_revision();
     axes_[slot] = axes;
     targets_[slot] = displacement;
   }
@@ -71,7 +77,7 @@ class Pins {
     vertices_.pop_back();
     targets_.pop_back();
     axes_.pop_back();
-    revision_ = new_revision();
+    revision_ = detail::new_revision();
   }
 
   /// Adds `shift` to all targets: for a body whose origin moves.
@@ -79,13 +85,16 @@ class Pins {
     for (Vec3<Scalar>& target : targets_) target += shift;
   }
 
+  /// Whether a component of the vertex is prescribed.
   [[nodiscard]] bool is_pinned(Index vertex) const {
     return vertex >= 0 && vertex < size_of(slot_) && slot_[at(vertex)] != none;
   }
 
   /// Pinned vertices in no particular order, and the displacement and the axes of each.
   [[nodiscard]] const std::vector<Index>& vertices() const { return vertices_; }
+  /// Displacements of the pinned vertices, m, in the order of vertices().
   [[nodiscard]] const Field<Scalar>& targets() const { return targets_; }
+  /// Prescribed components, in the order of vertices().
   [[nodiscard]] const std::vector<PinnedAxes>& axes() const { return axes_; }
 
   /// The axes of a vertex that are pinned: none of one that is free.
@@ -104,8 +113,9 @@ class Pins {
   /// Another number whenever the set of pinned components is another; targets do not matter.
   [[nodiscard]] Revision revision() const { return revision_; }
 
+  /// Bytes on the heap.
   [[nodiscard]] std::size_t bytes() const {
-    return bytes_of(slot_) + bytes_of(vertices_) + bytes_of(targets_) + bytes_of(axes_);
+    return detail::bytes_of(slot_) + detail::bytes_of(vertices_) + detail::bytes_of(targets_) + detail::bytes_of(axes_);
   }
 
   /// For snapshots.
@@ -118,7 +128,7 @@ class Pins {
     for (std::size_t slot = 0; slot < vertices_.size(); ++slot)
       if (vertices_[slot] >= 0 && vertices_[slot] < size_of(slot_))
         slot_[at(vertices_[slot])] = static_cast<Index>(slot);
-    revision_ = new_revision();
+    revision_ = detail::new_revision();
   }
 
  private:
@@ -127,7 +137,7 @@ class Pins {
   std::vector<Index> vertices_;
   Field<Scalar> targets_;
   std::vector<PinnedAxes> axes_;
-  Revision revision_ = new_revision();
+  Revision revision_ = detail::new_revision();
 };
 
 }  // namespace corotet::inline v0_1

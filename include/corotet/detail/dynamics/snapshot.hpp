@@ -69,6 +69,7 @@ COROTET_COLD Result<void> save_snapshot(const Body& body, const Integrator& inte
                          {"it needs ", snapshot_size(body, integrator), " bytes, there are ", out.size()});
   return {};
 }
+/// Writes the snapshot of a body alone: as below, without an integrator.
 template <class Body>
 COROTET_COLD Result<void> save_snapshot(const Body& body, std::span<std::byte> out) {
   return save_snapshot(body, detail::NoIntegrator(), out);

@@ -36,14 +36,15 @@ namespace corotet::inline v0_1 {
 /// wherever the rest configuration lies. The displacement of a body that travels many times its size is large: `rebase`
 /// moves the origin after it.
 template <std::floating_point Scalar, ReferenceElement Element = Tet4, ElasticLaw LawType = Polar>
-class SoftBody : private PointStates<Scalar, ElasticModelOf<LawType>> {
+class SoftBody : private PointStates<Scalar, detail::ElasticModelOf<LawType>> {
  public:
-  using scalar_type = Scalar;
+  using scalar_type = Scalar;  ///< float or double
+  /// Tet4, Tet10 or one of your own
   using element_type = Element;
-  using Mesh = TetMesh<Scalar, Element>;
-  using Law = Elasticity<Scalar, Element, LawType>;
-  using Model = BodyModel<Scalar, Element, LawType>;
-  using States = PointStates<Scalar, ElasticModelOf<LawType>>;
+  using Mesh = TetMesh<Scalar, Element>;                                ///< of the body
+  using Law = Elasticity<Scalar, Element, LawType>;                     ///< the elastic law on the mesh
+  using Model = BodyModel<Scalar, Element, LawType>;                    ///< what copies of the body share
+  using States = PointStates<Scalar, detail::ElasticModelOf<LawType>>;  ///< of the material at each quadrature point
 
   /// A body at rest in its rest shape, free of pins, gravity and forces, of a model of its own. Errors: as
   /// BodyModel::create.
@@ -53,16 +54,24 @@ class SoftBody : private PointStates<Scalar, ElasticModelOf<LawType>> {
   /// The same of a model that others may share.
   COROTET_COLD explicit SoftBody(std::shared_ptr<const Model> model);
 
+  /// Mesh, law and mass, shared by copies of the body.
   [[nodiscard]] const std::shared_ptr<const Model>& model() const { return model_; }
+  /// Mesh in the rest configuration.
   [[nodiscard]] const Mesh& mesh() const { return model_->mesh(); }
+  /// Elastic law: forces and energies of elements.
   [[nodiscard]] const Law& law() const { return model_->law(); }
+  /// Mass matrix.
   [[nodiscard]] const Mass<Scalar>& mass() const { return model_->mass(); }
+  /// Rayleigh damping, 1/s and s.
   [[nodiscard]] const RayleighDamping& damping() const { return damping_.damping; }
+  /// Which vertices the matrices couple.
   [[nodiscard]] const std::shared_ptr<const BlockPattern>& pattern() const { return model_->pattern(); }
+  /// Number of vertices.
   [[nodiscard]] Index vertex_count() const { return mesh().vertex_count(); }
 
   /// m and m/s, one a vertex.
   [[nodiscard]] const Field<Scalar>& displacements() const { return displacement_; }
+  /// Velocities, m/s, one a vertex.
   [[nodiscard]] const Field<Scalar>& velocities() const { return velocity_; }
 
   /// Of the body's coordinates in the world, m: mesh().origin() until `rebase` moves it.
@@ -77,6 +86,7 @@ class SoftBody : private PointStates<Scalar, ElasticModelOf<LawType>> {
 
   /// Replaces the state. Errors: invalid_argument (length), non_finite_value (names the vertex); nothing changes then.
   COROTET_COLD Result<void> set_displacements(std::span<const Vec3<Scalar>> displacement);
+  /// Sets all velocities, m/s, one a vertex. Refused if one is not finite or their number is another.
   COROTET_COLD Result<void> set_velocities(std::span<const Vec3<Scalar>> velocity);
 
   /// Moves the body to world positions (m) and sets its velocities (m/s), one a vertex; the origin moves along, so that
@@ -106,6 +116,7 @@ class SoftBody : private PointStates<Scalar, ElasticModelOf<LawType>> {
 
   /// Vertices held in place or led along a path.
   [[nodiscard]] Pins<Scalar>& pins() { return pins_; }
+  /// Vertices whose motion is prescribed.
   [[nodiscard]] const Pins<Scalar>& pins() const { return pins_; }
 
   /// Pins each vertex whose rest position (relative to the origin) satisfies `predicate`, where it is now; along some
@@ -129,15 +140,18 @@ class SoftBody : private PointStates<Scalar, ElasticModelOf<LawType>> {
 
   /// m/s^2.
   void set_gravity(const Vec3<Scalar>& gravity) { gravity_.acceleration = gravity; }
+  /// Gravity, m/s^2.
   [[nodiscard]] const Vec3<Scalar>& gravity() const { return gravity_.acceleration; }
 
   /// Force on each vertex, N, besides gravity; zero until the caller writes to it, and kept from step to step.
   [[nodiscard]] std::span<Vec3<Scalar>> external_forces() { return nodal_force_.force; }
+  /// Forces on vertices, N, one a vertex.
   [[nodiscard]] std::span<const Vec3<Scalar>> external_forces() const { return nodal_force_.force; }
 
   /// Bytes of its own state, and of the model that it shares with its copies.
   [[nodiscard]] COROTET_COLD MemoryUse memory() const {
-    return {bytes_of(displacement_) + bytes_of(velocity_) + bytes_of(nodal_force_.force) + pins_.bytes(),
+    return {detail::bytes_of(displacement_) + detail::bytes_of(velocity_) + detail::bytes_of(nodal_force_.force) +
+                pins_.bytes(),
             model_->bytes()};
   }
 
@@ -180,7 +194,7 @@ class SoftBody : private PointStates<Scalar, ElasticModelOf<LawType>> {
   Pins<Scalar> pins_;
   Field<Scalar> displacement_, velocity_;
   Vec3<double> shift_ = Vec3<double>::Zero();  // of the origin, m
-  Revision revision_ = new_revision();
+  Revision revision_ = detail::new_revision();
   Revision motion_revision_ = revision_;
 };
 
@@ -209,7 +223,7 @@ template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawTy
 Result<void> SoftBody<Scalar, Element, LawType>::set_displacements(std::span<const Vec3<Scalar>> displacement) {
   if (Result<void> s = check_field("displacements", displacement); !s) return s;
   displacement_.assign(displacement.begin(), displacement.end());
-  revision_ = motion_revision_ = new_revision();
+  revision_ = motion_revision_ = detail::new_revision();
   return {};
 }
 
@@ -217,7 +231,7 @@ template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawTy
 Result<void> SoftBody<Scalar, Element, LawType>::set_velocities(std::span<const Vec3<Scalar>> velocity) {
   if (Result<void> s = check_field("velocities", velocity); !s) return s;
   velocity_.assign(velocity.begin(), velocity.end());
-  motion_revision_ = new_revision();
+  motion_revision_ = detail::new_revision();
   return {};
 }
 
@@ -240,7 +254,7 @@ Result<void> SoftBody<Scalar, Element, LawType>::set_state(std::span<const Vec3<
   if (Result<void> s = set_velocities(velocity); !s) return s;
   rebase((mean - shift_).template cast<Scalar>());
   for (std::size_t v = 0; v < positions.size(); ++v) displacement_[v] = (moved(v) - shift_).template cast<Scalar>();
-  revision_ = motion_revision_ = new_revision();
+  revision_ = motion_revision_ = detail::new_revision();
   return {};
 }
 
@@ -263,7 +277,7 @@ Result<void> SoftBody<Scalar, Element, LawType>::set_materials(const Materials& 
   auto model = model_->with_materials(materials);
   if (!model) return model.error();
   model_ = *std::move(model);
-  revision_ = new_revision();
+  revision_ = detail::new_revision();
   return {};
 }
 
@@ -272,7 +286,7 @@ void SoftBody<Scalar, Element, LawType>::reset() {
   for (Field<Scalar>* field : {&displacement_, &velocity_})
     for (Vec3<Scalar>& x : *field) x.setZero();
   if constexpr (Law::has_point_states) static_cast<States&>(*this) = law().states_at_rest();
-  revision_ = motion_revision_ = new_revision();
+  revision_ = motion_revision_ = detail::new_revision();
 }
 
 template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
@@ -284,7 +298,7 @@ void SoftBody<Scalar, Element, LawType>::visit_state(detail::StateArchive& archi
   archive(gravity_.acceleration);
   archive(pins_);
   if constexpr (Law::has_point_states) archive(static_cast<States&>(*this));
-  if (archive.reads()) revision_ = motion_revision_ = new_revision();
+  if (archive.reads()) revision_ = motion_revision_ = detail::new_revision();
 }
 
 template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
@@ -293,7 +307,7 @@ void SoftBody<Scalar, Element, LawType>::swap_state(Field<Scalar>& displacement,
                  "the buffers belong to another body");
   displacement_.swap(displacement);
   velocity_.swap(velocity);
-  revision_ = motion_revision_ = new_revision();
+  revision_ = motion_revision_ = detail::new_revision();
 }
 
 template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
@@ -312,7 +326,7 @@ template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawTy
 void SoftBody<Scalar, Element, LawType>::set_point_states(const States& states) {
   COROTET_ASSERT(states.size() == point_states().size(), "the states belong to another body");
   static_cast<States&>(*this) = states;
-  if constexpr (Law::has_point_states) revision_ = new_revision();
+  if constexpr (Law::has_point_states) revision_ = detail::new_revision();
 }
 
 template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>

@@ -7,7 +7,7 @@ namespace corotet::inline v0_1 {
 
 /// How `solve_static` ended.
 struct StaticReport {
-  bool converged = false;
+  bool converged = false;     ///< whether forces balance to the tolerance
   int steps = 0;              ///< of pseudo-time that were accepted
   int newton_iterations = 0;  ///< linear solves in these
   int iterations = 0;         ///< of the linear solver, in all

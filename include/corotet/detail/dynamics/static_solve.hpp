@@ -23,10 +23,12 @@ struct StaticOptions {
   /// whichever are larger (Euclidean norms), 0 < tolerance < 1. Where rounding does not allow that, above all in float,
   /// the solution ends when corrections no longer shrink.
   double tolerance = 1e-6;
-  int max_steps = 200;         ///< of pseudo-time
-  int newton_iterations = 10;  ///< at most, in each of them
-  SolverOptions solver = {.tolerance = 1e-4};
+  int max_steps = 200;                         ///< of pseudo-time
+  int newton_iterations = 10;                  ///< at most, in each of them
+  SolverOptions solver = {.tolerance = 1e-4};  ///< of each step
 };
+
+namespace detail {
 
 /// A step from standstill: v' = gamma M^-1 f(x'), x' = x + gamma v'. It lowers the potential energy by the largest
 /// amount that |x' - x|^2_M / 2 gamma^2 allows (proximal point algorithm, Rockafellar 1976; pseudo-transient
@@ -47,8 +49,6 @@ class StandstillScheme {
  private:
   Field<Scalar> still_;
 };
-
-namespace detail {
 
 /// Of gravity and nodal forces together, N.
 template <class Body>
@@ -75,12 +75,12 @@ template <class Body, class Solver = AutoSolver<typename Body::scalar_type>>
 COROTET_COLD StaticReport solve_static(Body& body, const StaticOptions& options = {},
                                        const StepContext<typename Body::scalar_type>& context = {}) {
   using Scalar = typename Body::scalar_type;
-  Integrator<Body, StandstillScheme<Body>, Solver> integrator(body, Solver(options.solver),
-                                                              {.iterations = options.newton_iterations,
-                                                               .tolerance = (std::min)(1e-3, options.tolerance),
-                                                               .tangent = Tangent::consistent,
-                                                               .keeps_angular_momentum = false,
-                                                               .bounds_energy = false});
+  Integrator<Body, detail::StandstillScheme<Body>, Solver> integrator(body, Solver(options.solver),
+                                                                      {.iterations = options.newton_iterations,
+                                                                       .tolerance = (std::min)(1e-3, options.tolerance),
+                                                                       .tangent = Tangent::consistent,
+                                                                       .keeps_angular_momentum = false,
+                                                                       .bounds_energy = false});
   double size2 = 0;
   for (const Vec3<Scalar>& x : body.mesh().positions()) size2 = (std::max)(size2, double(x.squaredNorm()));
   const double epsilon = static_cast<double>(std::numeric_limits<Scalar>::epsilon());

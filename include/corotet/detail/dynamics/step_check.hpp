@@ -8,7 +8,7 @@
 #include <corotet/detail/solve/solver.hpp>
 #include <cstddef>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// The report of a step that is not made: the body is as it was. `vertex`: the culprit, if there is one.
 [[nodiscard]] inline StepReport refused(StepReport report, StepError why, Index vertex = -1) {
@@ -33,4 +33,4 @@ template <class Body>
   return {};
 }
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

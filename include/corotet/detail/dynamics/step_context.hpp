@@ -11,10 +11,10 @@ namespace corotet::inline v0_1 {
 /// All have defaults: serial, unobserved, no terms but the body's own.
 template <std::floating_point Scalar>
 struct StepContext {
-  ExecutorRef executor = {};
-  PhaseObserver observer = {};
-  Terms<Scalar> terms = {};  ///< besides gravity, nodal forces and damping
-  PieceVertices piece = {};  ///< set by the integrator of a body of several pieces
+  ExecutorRef executor = {};    ///< the caller's threads
+  PhaseObserver observer = {};  ///< is told of each phase
+  Terms<Scalar> terms = {};     ///< besides gravity, nodal forces and damping
+  PieceVertices piece = {};     ///< set by the integrator of a body of several pieces
 };
 
 }  // namespace corotet::inline v0_1

@@ -15,7 +15,7 @@ struct StepOptions {
   /// energy norm of the step's matrix, 0 < tolerance < 1; or when rounding hides what is left. The error is estimated
   /// from the last correction. The linear solver's tolerance bounds what one iteration can gain.
   double tolerance = 1e-3;
-  Tangent tangent = Tangent::stabilized;
+  Tangent tangent = Tangent::stabilized;  ///< which stiffness the equation has
   /// Whether a body without pins keeps its angular momentum exactly and turns without growing, see TurningFrame. If
   /// not, as far as the integrator does.
   bool keeps_angular_momentum = true;

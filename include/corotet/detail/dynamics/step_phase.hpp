@@ -20,6 +20,7 @@ enum class StepPhase : std::uint8_t {
 class PhaseObserver {
  public:
   PhaseObserver() = default;
+  /// Refers to a callable that takes a StepPhase; it must outlive the reference.
   template <std::invocable<StepPhase> O>
     requires(!std::same_as<std::remove_cvref_t<O>, PhaseObserver>)
   PhaseObserver(O&& observer)  // NOLINT(google-explicit-constructor, bugprone-forwarding-reference-overload)
@@ -29,6 +30,7 @@ class PhaseObserver {
   /// Whether there is anybody to tell.
   explicit operator bool() const { return call_ != nullptr; }
 
+  /// Tells of a phase that begins.
   void operator()(StepPhase phase) const {
     if (call_ != nullptr) call_(object_, phase);
   }

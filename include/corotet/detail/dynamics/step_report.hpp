@@ -10,7 +10,7 @@ namespace corotet::inline v0_1 {
 
 /// Why a step was refused. A refused step leaves the state as it was.
 enum class StepError : std::uint8_t {
-  none,
+  none,              ///< it was accepted
   time_step,         ///< h is not positive and finite
   gravity,           ///< gravity is not finite
   external_force,    ///< the external force on `vertex` is not finite
@@ -24,7 +24,7 @@ enum class StepError : std::uint8_t {
 
 /// Why SubsteppingIntegrator does not trust a step that the integrator did not refuse.
 enum class StepWarning : std::uint8_t {
-  none,
+  none,      ///< it is trusted
   residual,  ///< the linear solve or Newton's method ended far from its solution
   inverted,  ///< elements were turned inside out
   strain     ///< the largest strain has grown too far in one step
@@ -33,9 +33,9 @@ enum class StepWarning : std::uint8_t {
 /// How a step ended. What describes deformation is of the state after the step, and not filled in if the integrator
 /// refused it; if SubsteppingIntegrator did, it is of the state that was thrown away.
 struct StepReport {
-  StepError error = StepError::none;
-  Index vertex = -1;      ///< the culprit, where `refusal` names one
-  bool converged = true;  ///< each linear solve reached its tolerance
+  StepError error = StepError::none;  ///< why the step was refused; none: accepted
+  Index vertex = -1;                  ///< the culprit, where `refusal` names one
+  bool converged = true;              ///< each linear solve reached its tolerance
   SolveStatus solve =
       SolveStatus::converged;    ///< how the last linear solve ended that did not converge, or the last at its limit
   int iterations = 0;            ///< of conjugate gradients, or corrections of a direct solution, all solves together
@@ -51,6 +51,7 @@ struct StepReport {
   int sub_steps = 1;      ///< that SubsteppingIntegrator divided the step into
   int steps_tried = 1;    ///< by SubsteppingIntegrator, those that were thrown away included
 
+  /// Whether the body has moved: the step was not refused.
   [[nodiscard]] bool accepted() const { return error == StepError::none; }
 
   /// Accepted, and nothing to complain of.
@@ -111,6 +112,8 @@ struct StepReport {
   }
 };
 
+namespace detail {
+
 /// The report of two pieces of a body that were stepped at the same time: of counts and residuals the larger, of what
 /// went wrong the first.
 [[nodiscard]] inline StepReport worse_of(const StepReport& a, const StepReport& b) {
@@ -131,5 +134,7 @@ struct StepReport {
   all.steps_tried = (std::max)(a.steps_tried, b.steps_tried);
   return all;
 }
+
+}  // namespace detail
 
 }  // namespace corotet::inline v0_1

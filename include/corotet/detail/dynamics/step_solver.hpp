@@ -26,7 +26,7 @@
 #include <corotet/detail/solve/deterministic_reduction.hpp>
 #include <corotet/detail/solve/solver.hpp>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// Solves a TimeStep, by one linear solve or by Newton's method, and moves the body. Owns all that a step needs besides
 /// the body: made once for a body and its copies, then `advance` allocates nothing.
@@ -482,4 +482,4 @@ class StepSolver {
   EnergyBound<Body> energy_bound_;
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

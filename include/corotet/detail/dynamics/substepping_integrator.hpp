@@ -34,7 +34,7 @@ enum class OnUnreliable : std::uint8_t {
 
 /// Which steps SubsteppingIntegrator trusts, and what it does with the others.
 struct SubsteppingOptions {
-  OnUnreliable on_unreliable = OnUnreliable::divide;
+  OnUnreliable on_unreliable = OnUnreliable::divide;  ///< what happens to a step that cannot be trusted
   int max_halvings = 4;        ///< of the step, 0 ... 30: 4 means at most 16 steps instead of one
   double max_residual = 0.05;  ///< relative, of a linear solve or of Newton's method that has not converged
   /// Of StepReport::max_strain in one step. Known, as is how many elements are newly inverted, if the last step
@@ -57,8 +57,9 @@ struct SubsteppingOptions {
 template <class Integrator, class Body>
 class SubsteppingIntegrator {
  public:
-  using Scalar = typename Body::scalar_type;
+  using Scalar = typename Body::scalar_type;  ///< of the body
 
+  /// Takes `integrator`, which must have been made for `body`.
   SubsteppingIntegrator(Integrator integrator, const Body& body, const SubsteppingOptions& options = {})
       : integrator_(std::move(integrator)), options_(options) {
     COROTET_ASSERT(options.max_halvings >= 0 && options.max_halvings <= 30, "that many halvings mean nothing");
@@ -71,7 +72,9 @@ class SubsteppingIntegrator {
     }
   }
 
+  /// The integrator that makes the steps.
   [[nodiscard]] const Integrator& integrator() const { return integrator_; }
+  /// What it was made with.
   [[nodiscard]] const SubsteppingOptions& options() const { return options_; }
 
   /// Advances `body` by `h` seconds. A refused step leaves it untouched, also where only a sub-step was refused.

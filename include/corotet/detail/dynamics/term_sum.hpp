@@ -13,7 +13,7 @@
 #include <corotet/detail/terms/piecewise_term.hpp>
 #include <corotet/detail/terms/step_term.hpp>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// A body's own terms, and those that the caller of a step gave. Memory for impulses and stiffnesses is there from the
 /// first step on in which the caller gives terms.
@@ -256,4 +256,4 @@ class TermSum {
   bool implicit_ = false;
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

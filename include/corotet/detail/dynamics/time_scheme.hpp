@@ -21,6 +21,8 @@ concept TimeScheme = std::constructible_from<S, const Body&> &&
                        scheme.accept(body, h, report, previous, previous);
                      };
 
+namespace detail {
+
 /// Backward Euler remembers nothing.
 template <class Body>
 class BackwardEulerScheme {
@@ -35,5 +37,7 @@ class BackwardEulerScheme {
   void accept(const Body& /*body*/, Scalar /*h*/, const StepReport& /*report*/, Field<Scalar>& /*displacement*/,
               Field<Scalar>& /*velocity*/) const {}
 };
+
+}  // namespace detail
 
 }  // namespace corotet::inline v0_1

@@ -17,6 +17,7 @@ struct TimeStep {
   /// order: in the present state.
   Scalar linearization_time = 0;
 
+  /// Whether it is a step of backward Euler.
   [[nodiscard]] bool is_first_order() const { return order == 1; }
 };
 

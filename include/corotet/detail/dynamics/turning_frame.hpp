@@ -19,7 +19,7 @@
 #include <limits>
 #include <span>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// The frame in which a step of a body without pins is solved, and the projection of its angular momentum.
 ///
@@ -112,7 +112,7 @@ class TurningFrame {
       }
       return finite ? 0.0 : 1.0;
     });
-    return detail::is_zero(not_finite);
+    return is_zero(not_finite);
   }
 
   [[nodiscard]] MemoryUse memory() const { return before_sums_.memory() + after_sums_.memory() + finite_.memory(); }
@@ -137,7 +137,7 @@ class TurningFrame {
     const auto h = double(step.h);
     before_ = motion(body, sum);
     const double damping = h * mass_damping;
-    const double decay = step.is_first_order() ? 1 / (1 + damping) : detail::exponential(-damping);
+    const double decay = step.is_first_order() ? 1 / (1 + damping) : exponential(-damping);
     const Vec3<double> midway = before_.centre + h / 2 * before_.velocity;
     goal_ = decay * before_.momentum + h * detail::square_root(decay) * (sum.col(7) - midway.cross(sum.col(6)));
     turn_rate_.setZero();
@@ -304,7 +304,7 @@ class TurningFrame {
                                                                   const Vec3<double>& momentum) {
     Matrix<double, 4, 4> inertia = Matrix<double, 4, 4>::Zero();  // the fourth axis has none
     inertia.set_block(0, 0, second.trace() * Mat3<double>::Identity() - (second + second.transpose()) / 2);
-    const Matrix<double, 4, 4> axes = detail::diagonalise<double>(inertia);
+    const Matrix<double, 4, 4> axes = diagonalise<double>(inertia);
     const double least = static_cast<double>(std::numeric_limits<Scalar>::epsilon()) * inertia.diagonal().maxCoeff();
     Vec3<double> w = Vec3<double>::Zero();
     for (int k = 0; k < 4; ++k) {
@@ -324,4 +324,4 @@ class TurningFrame {
   DeterministicSum finite_;
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

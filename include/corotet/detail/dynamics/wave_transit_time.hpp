@@ -14,7 +14,7 @@
 #include <limits>
 #include <vector>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// 4 V / A of the rest shape, m: the side of a long square bar, twice the thickness of a plate. A is the sum of the
 /// vertices' area vectors' lengths, |sum V grad N| each: somewhat too small at edges.
@@ -46,4 +46,4 @@ template <std::floating_point Scalar, ReferenceElement Element>
   return hydraulic_diameter * detail::square_root(least);
 }
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

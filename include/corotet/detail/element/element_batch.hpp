@@ -6,7 +6,7 @@
 #include <corotet/detail/core/lanes.hpp>
 #include <corotet/detail/element/reference_element.hpp>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// Structure of arrays over `lane_count` elements. Lanes beyond the last element have zero volume and name vertex 0.
 template <std::floating_point Scalar, ReferenceElement Element>
@@ -45,7 +45,7 @@ struct ElementBatch {
       for (std::size_t a = 0; a < Element::nodes; ++a)
         for (std::size_t c = 0; c < 3; ++c) {
           const auto gradient = static_cast<Scalar>(natural_gradients<Element>[q][a][c]);
-          if (detail::is_zero(gradient)) continue;
+          if (is_zero(gradient)) continue;
           for (std::size_t i = 0; i < 3; ++i) natural.entry[i][c] += Lanes<Scalar>(gradient) * u[a][i];
         }
     }
@@ -67,7 +67,7 @@ struct ElementBatch {
         sum[i] = 0;
         for (std::size_t c = 0; c < 3; ++c) {
           const auto gradient = static_cast<Scalar>(natural_gradients<Element>[q][a][c]);
-          if (!detail::is_zero(gradient)) sum[i] += Lanes<Scalar>(gradient) * row[c];
+          if (!is_zero(gradient)) sum[i] += Lanes<Scalar>(gradient) * row[c];
         }
       }
     }
@@ -75,4 +75,4 @@ struct ElementBatch {
   }
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

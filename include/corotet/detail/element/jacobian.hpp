@@ -7,7 +7,7 @@
 #include <corotet/detail/element/reference_element.hpp>
 #include <cstddef>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// dX/dxi, m, (space, natural coordinate): the sum over nodes of X_a (x) dN_a/dxi, where `position(a)` is X_a, m.
 template <std::size_t N, std::invocable<std::size_t> Position>
@@ -17,4 +17,4 @@ template <std::size_t N, std::invocable<std::size_t> Position>
   return sum;
 }
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

@@ -19,13 +19,14 @@ using NaturalCoordinates = std::array<double, 3>;
 /// A quadrature point: natural coordinates and weight. The weights of a rule sum to the volume of the reference
 /// element, 1/6 for a tetrahedron.
 struct QuadraturePoint {
-  NaturalCoordinates xi;
-  double weight;
+  NaturalCoordinates xi;  ///< natural coordinates
+  double weight;          ///< its share of the reference element's volume
 };
 
 /// The corners that bound an edge.
 struct ElementEdge {
-  std::size_t a, b;
+  std::size_t a;  ///< number of one corner
+  std::size_t b;  ///< number of the other
 };
 
 /// The six edges of a tetrahedron, in the order in which Tet10 numbers its mid-edge nodes 4 ... 9.
@@ -56,6 +57,8 @@ concept TetrahedralElement = ReferenceElement<E> && requires {
   requires E::nodes == 4 + 6 * E::edge_nodes;
 };
 
+namespace detail {
+
 /// Gradients of the shape functions in natural coordinates at some points: [point][node].
 template <ReferenceElement Element, std::size_t points>
 [[nodiscard]] constexpr auto gradients_at(const std::array<QuadraturePoint, points>& rule) {
@@ -67,8 +70,6 @@ template <ReferenceElement Element, std::size_t points>
 /// The same at the quadrature points of the stiffness.
 template <ReferenceElement Element>
 inline constexpr auto natural_gradients = gradients_at<Element>(Element::stiffness_points);
-
-namespace detail {
 
 template <ReferenceElement Element>
 [[nodiscard]] constexpr bool gradients_are(const std::array<NaturalCoordinates, Element::nodes>& expected) {
@@ -83,7 +84,7 @@ template <ReferenceElement Element>
 
 /// Whether the gradients of the shape functions are the same everywhere: then so are the Jacobian and F.
 template <ReferenceElement Element>
-inline constexpr bool has_constant_gradients = detail::gradients_are<Element>(natural_gradients<Element>[0]);
+inline constexpr bool has_constant_gradients = detail::gradients_are<Element>(detail::natural_gradients<Element>[0]);
 
 /// Whether the gradients of the shape functions are (-1, -1, -1) and the three unit vectors: those of the linear
 /// tetrahedron, which kernels know by heart.
@@ -115,6 +116,7 @@ inline constexpr std::array<QuadraturePoint, 4> degree2{{
 }};
 
 namespace detail {
+
 constexpr std::array<QuadraturePoint, 14> make_degree5() {
   // Walkington 2000: two orbits of four points (a,a,a,1-3a) and one of six points (a,a,1/2-a,1/2-a).
   constexpr double a1 = 0.31088591926330060980, w1 = 0.11268792571801585080 / 6.0;
@@ -136,10 +138,12 @@ constexpr std::array<QuadraturePoint, 14> make_degree5() {
            {{c3, a3, c3}, w3},
            {{c3, c3, a3}, w3}}};
 }
+
 }  // namespace detail
 
 /// Exact for degree 5, all weights positive.
 inline constexpr std::array<QuadraturePoint, 14> degree5 = detail::make_degree5();
 
 }  // namespace quadrature
+
 }  // namespace corotet::inline v0_1

@@ -10,12 +10,13 @@ namespace corotet::inline v0_1 {
 /// Node order: four corners, then the midpoints of `tet_edges` (the order of VTK; readers translate the others).
 /// Bends without locking; many times fewer elements than Tet4 for the same error: see docs/benchmarks/elements.md.
 struct Tet10 {
-  static constexpr int nodes = 10;
-  static constexpr int order = 2;  ///< degree of the shape functions
-  static constexpr int edge_nodes = 1;
+  static constexpr int nodes = 10;      ///< 4 corners, 6 midpoints of edges
+  static constexpr int order = 2;       ///< degree of the shape functions
+  static constexpr int edge_nodes = 1;  ///< nodes on an edge besides its corners
+  /// Corners 1 and 2 exchanged.
   static constexpr std::array<std::size_t, nodes> mirrored{0, 2, 1, 3, 6, 5, 4, 7, 9, 8};
-  static constexpr auto stiffness_points = quadrature::degree2;
-  static constexpr auto mass_points = quadrature::degree5;
+  static constexpr auto stiffness_points = quadrature::degree2;  ///< for the stiffness
+  static constexpr auto mass_points = quadrature::degree5;       ///< for the mass
 
   /// Shape functions at natural coordinates `xi`: L(2L-1) at a corner, 4 La Lb on an edge (L = barycentric
   /// coordinates).

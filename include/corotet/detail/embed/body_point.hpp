@@ -28,10 +28,10 @@ template <ReferenceElement Element>
 /// to 1.
 template <ReferenceElement Element>
 struct BodyPoint {
-  static constexpr std::size_t nodes = std::size_t{Element::nodes};
+  static constexpr std::size_t nodes = std::size_t{Element::nodes};  ///< of the element
 
-  std::array<Index, nodes> vertices{};
-  std::array<double, nodes> weights{};
+  std::array<Index, nodes> vertices{};  ///< of the element
+  std::array<double, nodes> weights{};  ///< shape functions of these at the point; their sum is 1
 
   /// The value of a field of vectors, `field(vertex)`, summed in double.
   template <std::invocable<Index> FieldValue>

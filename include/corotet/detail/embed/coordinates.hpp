@@ -14,7 +14,14 @@
 namespace corotet::inline v0_1 {
 
 /// A direction along an axis.
-enum class Axis : std::uint8_t { x, y, z, minus_x, minus_y, minus_z };
+enum class Axis : std::uint8_t {
+  x,        ///< +x
+  y,        ///< +y
+  z,        ///< +z
+  minus_x,  ///< -x
+  minus_y,  ///< -y
+  minus_z   ///< -z
+};
 
 namespace detail {
 
@@ -35,13 +42,16 @@ namespace detail {
 
 /// The axes of a model that point forward, to its right and up; the unit of length; and the order of front faces.
 struct CoordinateSystem {
-  Axis forward = Axis::x, right = Axis::minus_y, up = Axis::z;
-  double unit = 1;  ///< m
+  Axis forward = Axis::x;      ///< along which it looks
+  Axis right = Axis::minus_y;  ///< to its right
+  Axis up = Axis::z;           ///< upwards
+  double unit = 1;             ///< m
   /// Whether the front of a triangle is the side from which its corners are seen in clockwise order.
   bool clockwise_front = false;
 
   /// Whether there are three axes and a length.
   [[nodiscard]] constexpr bool is_valid() const { return detail::handedness(right, forward, up) != 0 && unit > 0; }
+  /// Whether the three axes are right-handed.
   [[nodiscard]] constexpr bool is_right_handed() const { return detail::handedness(right, forward, up) > 0; }
 };
 
@@ -68,8 +78,8 @@ inline constexpr CoordinateSystem unreal{.forward = Axis::x, .right = Axis::y, .
 /// Takes vectors of one coordinate system to another: component i of the result is the component along from[i].
 /// Lengths are multiplied by `scale`. The default is the identity.
 struct CoordinateConversion {
-  std::array<Axis, 3> from{Axis::x, Axis::y, Axis::z};
-  double scale = 1;               ///< > 0, target units in one of the source
+  std::array<Axis, 3> from{Axis::x, Axis::y, Axis::z};  ///< the source's axis along which each component lies
+  double scale = 1;                                     ///< > 0, target units in one of the source
   bool reverses_winding = false;  ///< whether the corners of a triangle must be listed in the opposite order
 
   /// The same model in another system: it looks forward, to its right and up as before. Both must be valid.

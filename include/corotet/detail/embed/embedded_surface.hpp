@@ -46,13 +46,13 @@ class EmbeddedSurface {
   using Motion = detail::ElementMotion<Scalar, Element>;
 
  public:
-  using Mesh = TetMesh<Scalar, Element>;
+  using Mesh = TetMesh<Scalar, Element>;  ///< of the body
 
   /// The motions of the carrying elements: written by each update before it reads them.
   class Scratch {
    public:
     /// Bytes.
-    [[nodiscard]] std::size_t memory() const { return bytes_of(motions_); }
+    [[nodiscard]] std::size_t memory() const { return detail::bytes_of(motions_); }
 
    private:
     friend class EmbeddedSurface;
@@ -85,20 +85,25 @@ class EmbeddedSurface {
   void update(std::span<const Vec3<Scalar>> u, const VertexBuffer& out, ExecutorRef executor = {}) {
     update(u, out, scratch_, executor);
   }
+  /// The same, with scratch of the caller's: one surface may then serve several threads at once.
   void update(std::span<const Vec3<Scalar>> u, const VertexBuffer& out, Scratch& scratch,
               ExecutorRef executor = {}) const;
 
   /// Positions alone, m, relative to the mesh's origin: one a bound vertex.
   void positions(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out) { positions(u, out, scratch_); }
+  /// The same, with scratch of the caller's.
   void positions(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out, Scratch& scratch,
                  ExecutorRef executor = {}) const;
 
   /// Unit normals alone.
   void normals(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out) { normals(u, out, scratch_); }
+  /// The same, with scratch of the caller's.
   void normals(std::span<const Vec3<Scalar>> u, std::span<Vec3<Scalar>> out, Scratch& scratch,
                ExecutorRef executor = {}) const;
 
+  /// Number of vertices of the surface.
   [[nodiscard]] Index vertex_count() const { return size_of(binding_->vertices); }
+  /// Whether it computes normals.
   [[nodiscard]] bool has_normals() const { return binding_->has_normals; }
 
   /// The scratch is owned, the binding shared.
@@ -121,7 +126,9 @@ class EmbeddedSurface {
 
   /// Bound vertices outside the mesh by more than its rounding: how many, which, and the farthest of them, m.
   [[nodiscard]] Index outside_count() const { return size_of(binding_->outside_vertices); }
+  /// The vertices that outside_count() counts.
   [[nodiscard]] const std::vector<Index>& outside_vertices() const { return binding_->outside_vertices; }
+  /// The largest distance of one of these from the mesh, m; 0 if there is none.
   [[nodiscard]] double max_distance() const { return binding_->max_distance; }
 
   /// How many rest normals had no direction and were replaced by +z.
@@ -148,7 +155,8 @@ class EmbeddedSurface {
     bool has_normals = false;
 
     [[nodiscard]] std::size_t bytes() const {
-      return sizeof(Binding) + bytes_of(vertices) + bytes_of(elements) + bytes_of(outside_vertices);
+      return sizeof(Binding) + detail::bytes_of(vertices) + detail::bytes_of(elements) +
+             detail::bytes_of(outside_vertices);
     }
   };
 
@@ -211,7 +219,7 @@ Result<EmbeddedSurface<Scalar, Element>> EmbeddedSurface<Scalar, Element>::bind(
     ExecutorRef executor) {
   if (Result<void> status = detail::check_surface(mesh, rest_positions, rest_normals); !status) return status.error();
   const Index count = size_of(rest_positions);
-  const BoxTree tree = detail::element_tree(mesh);
+  const detail::BoxTree tree = detail::element_tree(mesh);
   const double rounding = detail::position_rounding<Scalar>(tree.bounds());
   std::vector<detail::BoundPoint> points(at(count));
   for_ranges(executor, count, Index{64}, [&](Index begin, Index end) {

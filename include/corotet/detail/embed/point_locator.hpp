@@ -25,9 +25,9 @@ namespace corotet::inline v0_1 {
 /// extension at the nearest point, so that they give the point itself, as for a vertex of an EmbeddedSurface.
 template <TetrahedralElement Element>
 struct LocatedPoint : BodyPoint<Element> {
-  static constexpr Index none = -1;
-  Index element = none;
-  double distance_outside = 0;  ///< from the mesh, m; 0 inside to rounding
+  static constexpr Index none = -1;  ///< of `element`: the point is in none
+  Index element = none;              ///< that contains the point, or is nearest
+  double distance_outside = 0;       ///< from the mesh, m; 0 inside to rounding
 
   /// False where the point asked for was not finite, or its distance left the range of numbers.
   [[nodiscard]] bool found() const { return element != none; }
@@ -43,15 +43,18 @@ struct LocatedPoint : BodyPoint<Element> {
 template <std::floating_point Scalar, TetrahedralElement Element = Tet4>
 class PointLocator {
  public:
-  using Mesh = TetMesh<Scalar, Element>;
-  using Point = LocatedPoint<Element>;
+  using Mesh = TetMesh<Scalar, Element>;  ///< of the body
+  using Point = LocatedPoint<Element>;    ///< what it finds
 
+  /// Of a mesh at rest; keeps a copy of it.
   explicit PointLocator(Mesh mesh) : rest_(detail::Shared<Rest>::make(std::move(mesh))) {}
 
+  /// The mesh that it was made for.
   [[nodiscard]] const Mesh& mesh() const { return rest_->mesh; }
 
   /// Of a point given in rest coordinates relative to mesh().origin(), m: where SoftBody::position is at rest.
   [[nodiscard]] Point locate(const Vec3<double>& p) const;
+  /// The same for a point in float.
   template <std::same_as<float> Number>
   [[nodiscard]] Point locate(const Vec3<Number>& p) const {
     return locate(p.template cast<double>());
@@ -63,7 +66,7 @@ class PointLocator {
 
   struct Rest {
     Mesh mesh;
-    BoxTree tree;
+    detail::BoxTree tree;
     double rounding;  // of positions, m
 
     explicit Rest(Mesh m)
@@ -85,7 +88,7 @@ PointLocator(TetMesh<Scalar, Element>) -> PointLocator<Scalar, Element>;
 template <std::floating_point Scalar, TetrahedralElement Element = Tet4>
 class DeformedPointLocator {
  public:
-  using Point = LocatedPoint<Element>;
+  using Point = LocatedPoint<Element>;  ///< what it finds
 
   /// At rest.
   explicit DeformedPointLocator(const PointLocator<Scalar, Element>& rest)
@@ -102,6 +105,7 @@ class DeformedPointLocator {
 
   /// Of a point given in present coordinates relative to the body's origin, m: where SoftBody::position is.
   [[nodiscard]] Point locate(const Vec3<double>& p) const;
+  /// The same for a point in float.
   template <std::same_as<float> Number>
   [[nodiscard]] Point locate(const Vec3<Number>& p) const {
     return locate(p.template cast<double>());
@@ -111,7 +115,7 @@ class DeformedPointLocator {
   [[nodiscard]] detail::NodePositions<Element> positions_of(Index e) const;
 
   detail::Shared<typename PointLocator<Scalar, Element>::Rest> rest_;
-  BoxTree tree_;
+  detail::BoxTree tree_;
   double rounding_;
   detail::Buffer<Box> boxes_;
   detail::Buffer<Vec3<Scalar>> positions_;

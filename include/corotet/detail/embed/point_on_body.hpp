@@ -134,6 +134,7 @@ Result<void> apply_impulse_at(Body& body, const BodyPoint<typename Body::element
   }
   return body.set_velocities(scratch);
 }
+/// The same with scratch of its own, which it allocates.
 template <class Body>
 Result<void> apply_impulse_at(Body& body, const BodyPoint<typename Body::element_type>& point,
                               const Vec3<typename Body::scalar_type>& impulse) {

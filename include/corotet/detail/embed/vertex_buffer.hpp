@@ -13,6 +13,7 @@ namespace corotet::inline v0_1 {
 /// Interleaved vertices with float32 attributes, such as a mapped GPU buffer. Nothing is assumed about alignment, and
 /// nothing but the 12 bytes of each attribute is touched.
 struct VertexBuffer {
+  /// Of an offset: the buffer has no such attribute.
   static constexpr std::size_t none = (std::numeric_limits<std::size_t>::max)();
 
   std::byte* data = nullptr;          ///< the first vertex

@@ -23,14 +23,14 @@ namespace corotet::inline v0_1 {
 /// stands here is the same law for PointwiseElasticity: their results agree.
 template <RotationExtractor RotationLaw = Polar>
 struct Corotated {
-  static constexpr std::string_view name = "corotated";
-  using Rotation = RotationLaw;
+  static constexpr std::string_view name = "corotated";  ///< as in messages
+  using Rotation = RotationLaw;                          ///< how R is found from F
   /// With one rotation for several points the force has no energy: `Rotation::per_element` matters to Tet10.
   static constexpr bool is_conservative =
       (std::derived_from<Rotation, Polar> && !Rotation::per_element) || std::derived_from<Rotation, Identity>;
 
   template <std::floating_point Scalar>
-  using State = NoState;
+  using State = NoState;  ///< it has no memory
 
   template <std::floating_point Scalar>
   struct Constants {
@@ -43,18 +43,20 @@ struct Corotated {
     }
   };
 
+  /// W of each element, J/m^3.
   template <std::floating_point Scalar>
   [[nodiscard]] static Lanes<Scalar> energy(const Constants<Scalar>& constants,
                                             const DeformationLanes<Scalar>& deformation, const NoState& /*committed*/) {
-    const StrainLanes<Scalar> e = corotational_strain(deformation.gradient, deformation.rotation);
+    const detail::StrainLanes<Scalar> e = detail::corotational_strain(deformation.gradient, deformation.rotation);
     const Lanes<Scalar> theta = e.trace();
     return constants.mu * e.squared_norm() + Lanes<Scalar>(Scalar(0.5)) * constants.lambda * theta * theta;
   }
 
+  /// P of each element, Pa.
   template <std::floating_point Scalar>
   static void stress(const Constants<Scalar>& constants, const DeformationLanes<Scalar>& deformation,
                      const NoState& /*committed*/, NoState& /*trial*/, Mat3Lanes<Scalar>& p) {
-    const StrainLanes<Scalar> e = corotational_strain(deformation.gradient, deformation.rotation);
+    const detail::StrainLanes<Scalar> e = detail::corotational_strain(deformation.gradient, deformation.rotation);
     const Lanes<Scalar> two_mu = constants.mu + constants.mu, pressure = constants.lambda * e.trace();
     Mat3Lanes<Scalar> s;
     for (int i = 0; i < 3; ++i) {
@@ -85,7 +87,7 @@ struct Corotated {
   static void add_twist(const Constants<Scalar>& constants, const DeformationLanes<Scalar>& deformation,
                         bool semi_definite, TangentLanes<Scalar>& c) {
     using L = Lanes<Scalar>;
-    const StrainLanes<Scalar> strain = corotational_strain(deformation.gradient, deformation.rotation);
+    const detail::StrainLanes<Scalar> strain = detail::corotational_strain(deformation.gradient, deformation.rotation);
     Mat3Lanes<Scalar> e, n;
     for (int i = 0; i < 3; ++i) {
       const int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -114,25 +116,25 @@ struct Corotated {
 
 static_assert(ElasticModel<Corotated<Polar>>);
 
-namespace detail {
-
-template <class Law>
-struct ElasticModelOf {
-  using Type = Law;
-};
-template <RotationExtractor Rotation>
-struct ElasticModelOf<Rotation> {
-  using Type = Corotated<Rotation>;
-};
-
-}  // namespace detail
-
 /// What SoftBody and Elasticity take: a model, or a rotation law, which stands for the corotated model with it.
 template <class Law>
 concept ElasticLaw = RotationExtractor<Law> || ElasticModel<Law>;
 
+namespace detail {
+
+template <class Law>
+struct ModelOfLaw {
+  using Type = Law;
+};
+template <RotationExtractor Rotation>
+struct ModelOfLaw<Rotation> {
+  using Type = Corotated<Rotation>;
+};
+
 /// The model that an ElasticLaw stands for.
 template <ElasticLaw Law>
-using ElasticModelOf = typename detail::ElasticModelOf<Law>::Type;
+using ElasticModelOf = typename ModelOfLaw<Law>::Type;
+
+}  // namespace detail
 
 }  // namespace corotet::inline v0_1

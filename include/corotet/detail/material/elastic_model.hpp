@@ -63,8 +63,12 @@ concept ElasticModel = requires {
   requires detail::ElasticModelIn<M, double>;
 };
 
+namespace detail {
+
 /// Whether a model remembers anything.
 template <class M>
 inline constexpr bool has_state = !std::is_empty_v<typename M::template State<double>>;
+
+}  // namespace detail
 
 }  // namespace corotet::inline v0_1

@@ -24,8 +24,9 @@ struct Material {
 
 /// Lamé's parameters, Pa.
 struct Lame {
+  /// Pa
   double lambda;
-  double mu;
+  double mu;  ///< shear modulus, Pa
 };
 
 /// lambda = E nu / ((1+nu)(1-2nu)), mu = E / (2(1+nu)). The material must be valid: see `validate`.
@@ -51,10 +52,13 @@ struct Lame {
 /// @snippet bodies.cpp materials
 class Materials {
  public:
+  /// One material for all elements.
   Materials(const Material& whole_body) : materials_{whole_body} {}  // NOLINT(google-explicit-constructor)
-  Materials(std::vector<Material> per_element)                       // NOLINT(google-explicit-constructor)
+  /// One for each element.
+  Materials(std::vector<Material> per_element)  // NOLINT(google-explicit-constructor)
       : materials_(std::move(per_element)) {}
 
+  /// The material of element `e`.
   [[nodiscard]] const Material& of_element(std::size_t e) const {
     return materials_.size() == 1 ? materials_.front() : materials_[e];
   }

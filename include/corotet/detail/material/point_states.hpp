@@ -14,13 +14,15 @@ namespace corotet::inline v0_1 {
 template <std::floating_point Scalar, ElasticModel Model>
 class PointStates {
  public:
-  using State = typename Model::template State<Scalar>;
+  using State = typename Model::template State<Scalar>;  ///< of a quadrature point of a batch
 
   PointStates() = default;
   /// Every point at rest.
   PointStates(std::size_t batches, std::size_t points) : points_(points), state_(batches * points) {}
 
+  /// The state of quadrature point `point` of a batch.
   [[nodiscard]] const State& get(std::size_t point, Index batch) const { return state_[at(batch) * points_ + point]; }
+  /// Sets the state of quadrature point `point` of a batch.
   void set(std::size_t point, Index batch, const State& state) { state_[at(batch) * points_ + point] = state; }
 
   /// For snapshots.
@@ -39,7 +41,7 @@ class PointStates {
 };
 
 template <std::floating_point Scalar, ElasticModel Model>
-  requires(!has_state<Model>)
+  requires(!detail::has_state<Model>)
 class PointStates<Scalar, Model> {
  public:
   using State = typename Model::template State<Scalar>;

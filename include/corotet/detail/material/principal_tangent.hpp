@@ -15,13 +15,14 @@ namespace corotet::inline v0_1 {
 /// F = U diag(s) V^T with rotations U and V: s may be negative.
 template <std::floating_point Scalar>
 struct PrincipalFrame {
-  Mat3Lanes<Scalar> u, v;
+  Mat3Lanes<Scalar> u;        ///< U
+  Mat3Lanes<Scalar> v;        ///< V
   Vec3Lanes<Scalar> stretch;  ///< s
 
   /// From the polar rotation: with R^T F = V diag(s) V^T, U = R V. Where R^T F is not symmetric, because the polar
   /// rotation is not unique there (clear_choice), its symmetric part is meant.
   explicit PrincipalFrame(const DeformationLanes<Scalar>& deformation) {
-    const StrainLanes<Scalar> strain = corotational_strain(deformation.gradient, deformation.rotation);
+    const detail::StrainLanes<Scalar> strain = detail::corotational_strain(deformation.gradient, deformation.rotation);
     Mat3Lanes<Scalar> e;
     for (int i = 0; i < 3; ++i) {
       const int j = (i + 1) % 3, k = (i + 2) % 3;

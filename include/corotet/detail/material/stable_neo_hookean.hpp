@@ -26,12 +26,12 @@ namespace corotet::inline v0_1 {
 ///
 /// Energy and stress are computed of R^T F - I, which has the digits of small strains under large rotations.
 struct StableNeoHookean {
-  static constexpr std::string_view name = "stable_neo_hookean";
-  static constexpr bool is_conservative = true;
-  using Rotation = Polar;
+  static constexpr std::string_view name = "stable_neo_hookean";  ///< as in messages
+  static constexpr bool is_conservative = true;                   ///< the stress is the derivative of the energy
+  using Rotation = Polar;  ///< it asks for none, so that this one costs nothing more
 
   template <std::floating_point Scalar>
-  using State = NoState;
+  using State = NoState;  ///< it has no memory
 
   template <std::floating_point Scalar>
   struct Constants {
@@ -130,7 +130,7 @@ struct StableNeoHookean {
     L x;                                   // (I - 3) / 4
 
     explicit Invariants(const DeformationLanes<Scalar>& deformation) {
-      rotated_gradient(deformation.gradient, deformation.rotation, h);
+      detail::rotated_gradient(deformation.gradient, deformation.rotation, h);
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
           const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;

@@ -5,7 +5,7 @@
 #include <corotet/detail/core/lanes.hpp>
 #include <corotet/detail/core/types.hpp>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// sym(R^T F) - I: xx yy zz yz zx xy.
 template <std::floating_point Scalar>
@@ -45,4 +45,4 @@ void rotated_gradient(const Mat3Lanes<Scalar>& f, const Mat3Lanes<Scalar>& r, Ma
     for (int j = 0; j < 3; ++j) h(i, j) = r(0, i) * d(0, j) + r(1, i) * d(1, j) + r(2, i) * d(2, j);
 }
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

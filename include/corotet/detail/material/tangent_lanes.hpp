@@ -13,7 +13,7 @@ namespace corotet::inline v0_1 {
 template <std::floating_point Scalar>
 class TangentLanes {
  public:
-  using L = Lanes<Scalar>;
+  using L = Lanes<Scalar>;  ///< one number of each element
 
   TangentLanes() {
     for (Mat3Lanes<Scalar>& block : block_)
@@ -22,6 +22,7 @@ class TangentLanes {
 
   /// Block (j, l), j <= l.
   [[nodiscard]] Mat3Lanes<Scalar>& block(std::size_t j, std::size_t l) { return block_[number(j, l)]; }
+  /// The same, read-only.
   [[nodiscard]] const Mat3Lanes<Scalar>& block(std::size_t j, std::size_t l) const { return block_[number(j, l)]; }
 
   /// dP_ij / dF_kl of any two columns j and l.

@@ -31,7 +31,7 @@ struct BoundarySurface {
 
 /// A surface with vertices of its own, and where they come from.
 struct CompactSurface {
-  SurfaceMesh surface;
+  SurfaceMesh surface;                 ///< with the vertices that its triangles name alone
   std::vector<Index> volume_vertices;  ///< the volume mesh's vertex for each surface vertex, ascending
 };
 

@@ -6,6 +6,7 @@
 #include <corotet/detail/core/assert.hpp>
 #include <corotet/detail/core/exactly.hpp>
 #include <corotet/detail/core/types.hpp>
+#include <corotet/detail/mesh/box.hpp>
 #include <cstdint>
 #include <limits>
 #include <numeric>
@@ -13,31 +14,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet::inline v0_1 {
-
-/// An axis-aligned box, m. As constructed it is empty: it contains nothing and grows to whatever is added.
-struct Box {
-  Vec3<double> low = Vec3<double>::Constant(std::numeric_limits<double>::infinity());
-  Vec3<double> high = Vec3<double>::Constant(-std::numeric_limits<double>::infinity());
-
-  void add(const Vec3<double>& p) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  void add(const Box& box) {
-    low = low.cwiseMin(box.low);
-    high = high.cwiseMax(box.high);
-  }
-  [[nodiscard]] bool contains(const Vec3<double>& p) const {
-    for (int i = 0; i < 3; ++i)
-      if (!(p[i] >= low[i] && p[i] <= high[i])) return false;
-    return true;
-  }
-  /// From `p` to the nearest point of the box, m^2; 0 inside.
-  [[nodiscard]] double squared_distance(const Vec3<double>& p) const {
-    return (low - p).cwiseMax(p - high).cwiseMax(0.0).squaredNorm();
-  }
-};
+namespace corotet::inline v0_1::detail {
 
 /// What `BoxTree::nearest` found.
 struct NearestPrimitive {
@@ -194,7 +171,7 @@ class BoxTree {
       std::nth_element(first, order_.begin() + middle, last, [&](Index a, Index b) {
         const double ca = boxes[at(a)].low[axis] + boxes[at(a)].high[axis];
         const double cb = boxes[at(b)].low[axis] + boxes[at(b)].high[axis];
-        return detail::exactly_equal(ca, cb) ? a < b : ca < cb;
+        return exactly_equal(ca, cb) ? a < b : ca < cb;
       });
       stack[at(top++)] = {middle, range.end, n};
       stack[at(top++)] = {range.begin, middle, nobody};
@@ -206,4 +183,4 @@ class BoxTree {
   std::vector<Box> leaf_boxes_;  // their boxes in that order
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

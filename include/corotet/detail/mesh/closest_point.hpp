@@ -7,7 +7,7 @@
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/element/reference_element.hpp>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// A point of a simplex with N corners: barycentric coordinates in [0, 1] that sum to 1, exactly 0 for a corner that
 /// plays no part (so that a face, an edge and a corner can be told apart).
@@ -72,7 +72,7 @@ struct SimplexPoint {
   for (int j = 0; j < 3; ++j) edges.set_col(j, x[at(j + 1)] - x[0]);
   const Vec3<double> r = p - x[0];
   const double volume = edges.determinant();
-  if (!detail::is_zero(volume)) {
+  if (!is_zero(volume)) {
     const Vec3<double> l =
         Vec3<double>(r.dot(edges.col(1).cross(edges.col(2))), r.dot(edges.col(2).cross(edges.col(0))),
                      r.dot(edges.col(0).cross(edges.col(1)))) /
@@ -91,4 +91,4 @@ struct SimplexPoint {
   return best;
 }
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

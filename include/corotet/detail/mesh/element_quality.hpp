@@ -30,8 +30,8 @@ struct ElementQuality {
   /// Angles between faces at `tet_edges`, degrees, 0 to 180; 70.53 in a regular tetrahedron. Where two faces are
   /// parallel to rounding 0 or 180; where a face has no area 0.
   std::array<double, 6> dihedrals{};
-  double min_dihedral = 0;
-  double max_dihedral = 0;
+  double min_dihedral = 0;  ///< smallest angle between two faces, degrees
+  double max_dihedral = 0;  ///< largest angle between two faces, degrees
 
   /// 3 x inradius/circumradius: 1 for the regular tetrahedron, 0 for a flat one. Never negative.
   double radius_ratio = 0;
@@ -46,7 +46,7 @@ struct ElementQuality {
 
 /// What makes an element bad. Names after Cheng, Dey, Edelsbrunner, Facello and Teng, "Sliver exudation" (2000).
 enum class ElementDefect {
-  none,
+  none,      ///< well shaped
   inverted,  ///< negative volume
   flat,      ///< no volume to rounding, or thin in a way that has no name below
   curved,    ///< Tet10: its edges bend so far that the Jacobian changes more than the shape would explain
@@ -178,6 +178,7 @@ template <TetrahedralElement Element>
   return quality.edge_ratio > detail::long_edge_ratio ? ElementDefect::needle : ElementDefect::none;
 }
 
+/// As in messages.
 [[nodiscard]] constexpr const char* name_of(ElementDefect defect) {
   switch (defect) {
     case ElementDefect::none:

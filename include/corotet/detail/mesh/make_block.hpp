@@ -23,11 +23,11 @@ enum class BlockSplit {
 
 /// A box of `size` with its least corner at `corner`, cut into a grid of `cells`.
 struct BlockOptions {
-  Vec3<double> corner = Vec3<double>::Zero();  ///< m
-  Vec3<double> size = Vec3<double>::Ones();    ///< m, each > 0
-  std::array<Index, 3> cells{1, 1, 1};         ///< along x, y, z, each >= 1
-  BlockSplit split = BlockSplit::alternating5;
-  int order = 1;  ///< 1: Tet4; 2: Tet10 with straight edges
+  Vec3<double> corner = Vec3<double>::Zero();   ///< m
+  Vec3<double> size = Vec3<double>::Ones();     ///< m, each > 0
+  std::array<Index, 3> cells{1, 1, 1};          ///< along x, y, z, each >= 1
+  BlockSplit split = BlockSplit::alternating5;  ///< of each cell into tetrahedra
+  int order = 1;                                ///< 1: Tet4; 2: Tet10 with straight edges
 };
 
 /// The mesh of a box. Vertices are numbered along x first, then y, then z (mid-edge vertices of order 2 follow).

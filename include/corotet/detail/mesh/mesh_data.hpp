@@ -29,7 +29,9 @@ struct MeshData {
   /// What the reader changed or left out, in words: "ignored 312 triangles", "vertex numbers start at 1".
   std::vector<std::string> notes;
 
+  /// Number of positions.
   [[nodiscard]] Index vertex_count() const { return size_of(positions); }
+  /// Number of elements.
   [[nodiscard]] Index element_count() const { return size_of(connectivity) / nodes_per_element; }
 };
 

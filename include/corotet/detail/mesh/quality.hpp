@@ -20,25 +20,25 @@ namespace corotet::inline v0_1 {
 /// Order statistics of one measure over the elements. The p-th percentile is the smallest value that at least p per
 /// cent of the elements do not exceed; the median is the 50th.
 struct Spread {
-  double least = 0;
-  double percentile5 = 0;
-  double median = 0;
-  double percentile95 = 0;
-  double most = 0;
+  double least = 0;         ///< minimum
+  double percentile5 = 0;   ///< 5 % are below
+  double median = 0;        ///< half are below
+  double percentile95 = 0;  ///< 95 % are below
+  double most = 0;          ///< maximum
 };
 
 /// The measures of a mesh; all zero if it has no elements.
 struct MeshQuality {
-  std::vector<ElementQuality> elements;
+  std::vector<ElementQuality> elements;  ///< of each element
 
   double total_volume = 0;  ///< m^3
   Spread volume;            ///< m^3
   Spread shape;             ///< see ElementQuality, as for the others
   Spread min_dihedral;      ///< degrees
   Spread max_dihedral;      ///< degrees
-  Spread radius_ratio;
-  Spread edge_ratio;
-  Spread jacobian_ratio;
+  Spread radius_ratio;      ///< see ElementQuality
+  Spread edge_ratio;        ///< see ElementQuality
+  Spread jacobian_ratio;    ///< see ElementQuality
 
   /// How many dihedral angles, six an element, lie in [10 i, 10 i + 10) degrees; 180 counts in the last.
   std::array<Index, 18> dihedral_histogram{};
@@ -46,8 +46,8 @@ struct MeshQuality {
 
 /// An element and what is wrong with it.
 struct WorstElement {
-  Index element = 0;
-  ElementQuality quality;
+  Index element = 0;                           ///< its number
+  ElementQuality quality;                      ///< of this element
   ElementDefect defect = ElementDefect::none;  ///< describe(defect) says it in words
 };
 

@@ -29,9 +29,10 @@ namespace corotet::inline v0_1 {
 template <std::floating_point Scalar, ReferenceElement Element = Tet4>
 class TetMesh {
  public:
-  using scalar_type = Scalar;
+  using scalar_type = Scalar;  ///< float or double
+  /// Tet4, Tet10 or one of your own
   using element_type = Element;
-  using Nodes = std::array<Index, Element::nodes>;
+  using Nodes = std::array<Index, Element::nodes>;  ///< of an element
 
   /// Checks `data` and takes it. Elements with the opposite winding are turned round and counted in
   /// `flipped_elements()`. `origin` (m) is subtracted from all positions before they are rounded to Scalar: give the
@@ -43,11 +44,14 @@ class TetMesh {
   [[nodiscard]] COROTET_COLD static Result<TetMesh> create(const MeshData& data,
                                                            const Vec3<double>& origin = Vec3<double>::Zero());
 
+  /// Number of vertices.
   [[nodiscard]] Index vertex_count() const { return size_of(positions_); }
+  /// Number of elements.
   [[nodiscard]] Index element_count() const { return size_of(elements_); }
 
   /// Rest positions relative to `origin()`, m.
   [[nodiscard]] const std::vector<Vec3<Scalar>>& positions() const { return positions_; }
+  /// Rest position of a vertex, m.
   [[nodiscard]] const Vec3<Scalar>& position(Index vertex) const { return positions_[at(vertex)]; }
 
   /// The rest position of node `a` of an element, for sums in double.
@@ -58,7 +62,9 @@ class TetMesh {
   /// The vertex whose rest position is nearest to `x` (m, relative to `origin()`), the first of equals. Looks at each.
   [[nodiscard]] Index nearest_vertex(const Vec3<Scalar>& x) const { return nearest_position(positions_, x); }
 
+  /// Vertices of all elements, in the order of the element type's nodes.
   [[nodiscard]] const std::vector<Nodes>& elements() const { return elements_; }
+  /// Vertices of an element.
   [[nodiscard]] const Nodes& element(Index e) const { return elements_[at(e)]; }
 
   /// One tag an element, or empty.
@@ -73,7 +79,10 @@ class TetMesh {
   /// The mesh as unchecked data in double, in the coordinates given to `create`: for writers and converters.
   [[nodiscard]] COROTET_COLD MeshData data() const;
 
-  [[nodiscard]] std::size_t bytes() const { return bytes_of(positions_) + bytes_of(elements_) + bytes_of(regions_); }
+  /// Bytes on the heap.
+  [[nodiscard]] std::size_t bytes() const {
+    return detail::bytes_of(positions_) + detail::bytes_of(elements_) + detail::bytes_of(regions_);
+  }
 
   /// The mesh of some elements alone, each named once, with the same positions and origin. `vertices` (out): of this
   /// mesh, ascending, one for each of the new mesh's.

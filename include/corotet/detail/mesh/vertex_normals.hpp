@@ -11,14 +11,14 @@
 
 namespace corotet::inline v0_1 {
 
+namespace detail {
+
 /// Unit normal of a triangle (counter-clockwise seen from its tip); zero where the triangle has no area.
 [[nodiscard]] inline Vec3<double> triangle_normal(const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c) {
   const Vec3<double> n = (b - a).cross(c - a);
   const double length = n.stableNorm();  // its square would leave the range from triangles of 1e77 m on
   return length > 0 ? n / length : Vec3<double>::Zero();
 }
-
-namespace detail {
 
 /// A sum of unit vectors times weights, and the sum of the weights.
 struct WeightedNormal {

@@ -12,9 +12,10 @@ namespace corotet::inline v0_1 {
 /// the force is not the gradient of any energy: it does work over a closed loop and leaves a ghost torque. For
 /// comparison; use Polar.
 struct GramSchmidt {
-  static constexpr bool per_element = false;
-  static constexpr std::string_view name = "gram_schmidt";
+  static constexpr bool per_element = false;                ///< each quadrature point has its own
+  static constexpr std::string_view name = "gram_schmidt";  ///< as in messages
 
+  /// Sets `r` to the rotation of each lane's F.
   template <std::floating_point Scalar>
   static void extract(const Mat3Lanes<Scalar>& f, Mat3Lanes<Scalar>& r) {
     for (int l = 0; l < lane_count<Scalar>; ++l) r.set_lane(l, rotation_of<Scalar>(f.lane(l)));

@@ -7,9 +7,10 @@ namespace corotet::inline v0_1 {
 
 /// R = I. A body that turns or bends far grows in volume: this is what the corotational method cures.
 struct Identity {
-  static constexpr bool per_element = false;
-  static constexpr std::string_view name = "identity";
+  static constexpr bool per_element = false;            ///< each quadrature point has its own
+  static constexpr std::string_view name = "identity";  ///< as in messages
 
+  /// Sets `r` to the identity.
   template <std::floating_point Scalar>
   static void extract(const Mat3Lanes<Scalar>& /*f*/, Mat3Lanes<Scalar>& r) {
     for (int i = 0; i < 3; ++i)

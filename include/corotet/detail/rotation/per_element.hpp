@@ -9,7 +9,7 @@ namespace corotet::inline v0_1 {
 /// longer exactly the gradient of an energy. docs/benchmarks/elements.md has the numbers. The same as `Model` for Tet4.
 template <RotationExtractor Model>
 struct PerElement : Model {
-  static constexpr bool per_element = true;
+  static constexpr bool per_element = true;  ///< one rotation, of the mean F of an element
 };
 
 }  // namespace corotet::inline v0_1

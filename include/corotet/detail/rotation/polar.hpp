@@ -18,9 +18,10 @@ namespace corotet::inline v0_1 {
 /// digits as the two least signed stretches cancel; lanes where that shows are done again by `polar_robust`, where
 /// `unit` is explained.
 struct Polar {
-  static constexpr bool per_element = false;
-  static constexpr std::string_view name = "polar";
+  static constexpr bool per_element = false;         ///< each quadrature point has its own
+  static constexpr std::string_view name = "polar";  ///< as in messages
 
+  /// Sets `r` to the rotation nearest to each lane's F. `unit`: the size of F at rest, 0 if unknown.
   template <std::floating_point Scalar>
   static void extract(const Mat3Lanes<Scalar>& f, Mat3Lanes<Scalar>& r, Scalar unit = 0) {
     using L = Lanes<Scalar>;
@@ -31,7 +32,7 @@ struct Polar {
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) largest = lane_max(largest, lane_abs(f(i, j)));
     LaneMask<Scalar> sure =
-        (largest > (std::max)(lowest<Scalar>(), rounding_of_entries(unit))) & (largest < highest<Scalar>());
+        (largest > (std::max)(lowest<Scalar>(), detail::rounding_of_entries(unit))) & (largest < highest<Scalar>());
     const L scale = L(1) / select(sure, largest, L(1));
     Mat3Lanes<Scalar> b;
     for (int i = 0; i < 3; ++i)
@@ -64,7 +65,7 @@ struct Polar {
     sure = sure & (zeta > L(smallest_zeta<Scalar>()) * b2 * bound);
     // 2 (s2+s3) is by how much tr(R^T B) is larger than with the next stationary rotation; (s1+s2)(s3+s1) is
     // s1^2 + kappa, and s1^2 <= |B|^2: the choice must be clear.
-    sure = sure & (L(2) * zeta > L(clear_choice(unit)) * scale * (b2 + kappa));
+    sure = sure & (L(2) * zeta > L(detail::clear_choice(unit)) * scale * (b2 + kappa));
     const L inverse_zeta = L(1) / select(sure, zeta, L(1));
     Mat3Lanes<Scalar> btb;
     for (int i = 0; i < 3; ++i)
@@ -78,7 +79,7 @@ struct Polar {
     sure = sure & polish(r);
     if (!sure.all())
       for (int l = 0; l < lane_count<Scalar>; ++l)
-        if (!sure[l]) r.set_lane(l, polar_robust<Scalar>(f.lane(l), unit));
+        if (!sure[l]) r.set_lane(l, detail::polar_robust<Scalar>(f.lane(l), unit));
   }
 
  private:

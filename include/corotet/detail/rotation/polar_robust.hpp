@@ -8,9 +8,7 @@
 #include <corotet/detail/rotation/quaternion.hpp>
 #include <limits>
 
-namespace corotet::inline v0_1 {
-
-namespace detail {
+namespace corotet::inline v0_1::detail {
 
 /// The eigenvectors, as columns, of a symmetric matrix with entries of order one, whose diagonal becomes the
 /// eigenvalues: cyclic Jacobi rotations (Golub & Van Loan 2013, section 8.5). Eigen's solver gives the same, but takes
@@ -97,8 +95,6 @@ template <std::floating_point Scalar>
   return k;
 }
 
-}  // namespace detail
-
 /// How far rounding may have moved the entries of a matrix that was summed from numbers of size `unit`: of a
 /// deformation gradient, from the identity and the gradients of displacements.
 template <std::floating_point Scalar>
@@ -116,8 +112,6 @@ template <std::floating_point Scalar>
 [[nodiscard]] constexpr Scalar clear_choice(Scalar unit) {
   return Scalar(0.008) * unit;
 }
-
-namespace detail {
 
 /// Davenport's matrix of F / 2^exponent, and in the same measure what makes a choice among its eigenvectors clear.
 template <std::floating_point Scalar>
@@ -142,8 +136,6 @@ struct Choice {
   }
 };
 
-}  // namespace detail
-
 /// R = argmax tr(R^T F) over rotations, by the dominant eigenvector of Davenport's 4x4 matrix, which is a unit
 /// quaternion (Horn 1987, section 4). Never a reflection; for a non-finite F, the identity.
 ///
@@ -154,12 +146,12 @@ template <std::floating_point Scalar>
 [[nodiscard]] COROTET_COLD Mat3<Scalar> polar_robust(const Mat3<Scalar>& f, Scalar unit = 0) {
   const Scalar largest = f.cwiseAbs().maxCoeff();
   if (!(largest > 0) || !std::isfinite(largest) || !f.allFinite()) return Mat3<Scalar>::Identity();
-  detail::Choice<Scalar> choice(f, largest, unit);
-  detail::StationaryRotation<Scalar> nearest(choice.k);
+  Choice<Scalar> choice(f, largest, unit);
+  StationaryRotation<Scalar> nearest(choice.k);
   if (unit > 0 && nearest.gap < choice.clear) {
     const Scalar preference = choice.doubt(nearest.gap) / 8;
     for (int i = 0; i < 3; ++i) choice.k(i, i) += static_cast<Scalar>(4 >> i) * preference;  // 4: F + preference I
-    nearest = detail::StationaryRotation<Scalar>(choice.k);
+    nearest = StationaryRotation<Scalar>(choice.k);
   }
   return rotation_of<Scalar>(nearest.quaternion);
 }
@@ -172,13 +164,13 @@ template <std::floating_point Scalar>
   const Scalar largest = f.cwiseAbs().maxCoeff();
   if (!(largest > 0) || !std::isfinite(largest) || !f.allFinite()) return other;
   const Matrix<Scalar, 4, 1> q = quaternion_of<Scalar>(other);
-  detail::Choice<Scalar> choice(f, largest, unit);
-  detail::StationaryRotation<Scalar> stationary(choice.k, q);
+  Choice<Scalar> choice(f, largest, unit);
+  StationaryRotation<Scalar> stationary(choice.k, q);
   if (stationary.gap < choice.clear) {
     choice.k += choice.doubt(stationary.gap) / 20 * q * q.transpose();
-    stationary = detail::StationaryRotation<Scalar>(choice.k, q);
+    stationary = StationaryRotation<Scalar>(choice.k, q);
   }
   return rotation_of<Scalar>(stationary.quaternion);
 }
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

@@ -21,6 +21,8 @@ concept RotationExtractor =
       requires std::same_as<decltype(Model::name), const std::string_view>;
     };
 
+namespace detail {
+
 /// R of deformation gradients. A model that asks for it learns that F is of size 1 at rest: what is small and what is
 /// rounding follow from that.
 template <RotationExtractor Model, std::floating_point Scalar>
@@ -30,6 +32,8 @@ COROTET_ALWAYS_INLINE void extract_from_gradient(const Mat3Lanes<Scalar>& f, Mat
   else
     Model::extract(f, r);
 }
+
+}  // namespace detail
 
 /// One matrix through the batch code: for tests and one-off use.
 template <RotationExtractor Model, std::floating_point Scalar>

@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// The part of RigidAggregates that follows from the pattern and the rest configuration alone; copies share one.
 /// Without a coarse level each aggregate is a coarse aggregate of its own.
@@ -103,4 +103,4 @@ struct AggregateHierarchy {
   }
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

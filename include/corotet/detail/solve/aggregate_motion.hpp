@@ -14,7 +14,7 @@
 #include <cstdint>
 #include <span>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// The frames of all aggregates and the offsets of their members: those of the rest configuration, turned, not those of
 /// now. The warped stiffness of a strained aggregate resists the turned rest offsets least. And an aggregate that is
@@ -23,10 +23,10 @@ template <std::floating_point Scalar>
 struct AggregateMotion {
   using Hierarchy = AggregateHierarchy<Scalar>;
 
-  RigidFrames<Scalar> fine, coarse;    ///< coarse: empty without a coarse level
-  PaddedField<Scalar> offset;          ///< of each vertex from its aggregate's centre, and 1; zeros if pinned
-  detail::Buffer<Vec3<Scalar>> arm;    ///< of each aggregate's centre from its coarse aggregate's; or empty
-  detail::Buffer<std::uint8_t> moves;  ///< 0: pinned
+  RigidFrames<Scalar> fine, coarse;  ///< coarse: empty without a coarse level
+  PaddedField<Scalar> offset;        ///< of each vertex from its aggregate's centre, and 1; zeros if pinned
+  Buffer<Vec3<Scalar>> arm;          ///< of each aggregate's centre from its coarse aggregate's; or empty
+  Buffer<std::uint8_t> moves;        ///< 0: pinned
 
   AggregateMotion() = default;
   COROTET_COLD explicit AggregateMotion(const Hierarchy& h)
@@ -90,7 +90,7 @@ struct AggregateMotion {
   }
 
   /// What `pin` has set; the rest follows from `place`.
-  COROTET_COLD void visit_state(detail::StateArchive& archive) {
+  COROTET_COLD void visit_state(StateArchive& archive) {
     archive(moves);
     archive(fine.inverse_size);
     archive(coarse.inverse_size);
@@ -116,4 +116,4 @@ struct AggregateMotion {
   }
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// A partition of things that lie somewhere into boxes, no two of which differ in size by more than a few.
 struct Aggregates {
@@ -60,7 +60,7 @@ struct Aggregates {
     const auto middle = first + static_cast<Index>(std::int64_t{end - begin} * half / count);
     std::nth_element(first, middle, last, [&](Index a, Index b) {
       const Scalar xa = position[at(a)][axis], xb = position[at(b)][axis];
-      return detail::exactly_equal(xa, xb) ? a < b : xa < xb;  // a strict order, the same everywhere
+      return exactly_equal(xa, xb) ? a < b : xa < xb;  // a strict order, the same everywhere
     });
     const auto split = static_cast<Index>(middle - member.begin());
     divide(position, begin, split, half);
@@ -68,4 +68,4 @@ struct Aggregates {
   }
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

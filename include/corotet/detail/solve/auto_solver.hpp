@@ -28,10 +28,20 @@
 
 namespace corotet::inline v0_1 {
 
-/// Conjugate gradients, or a factorisation of the matrix in each step; automatic: by predicted cost.
-enum class SolverMethod { automatic, pcg, cholesky };
+/// How AutoSolver solves.
+enum class SolverMethod {
+  automatic,  ///< by predicted cost
+  pcg,        ///< conjugate gradients
+  cholesky    ///< a factorisation of the matrix in each step
+};
 /// The preconditioner of conjugate gradients.
-enum class PreconditionerKind { automatic, jacobi, block_jacobi, rigid_aggregates, warped_cholesky };
+enum class PreconditionerKind {
+  automatic,         ///< by predicted cost
+  jacobi,            ///< the inverse of the diagonal
+  block_jacobi,      ///< the inverses of the 3x3 blocks on the diagonal
+  rigid_aggregates,  ///< block-Jacobi and the rigid motions of groups of vertices: RigidAggregates
+  warped_cholesky    ///< a factor of an earlier matrix that turns with the body: WarpedCholesky
+};
 
 /// As in a scene file: "jacobi", ...; "auto" for automatic.
 [[nodiscard]] constexpr std::string_view name_of(PreconditionerKind kind) {
@@ -53,8 +63,8 @@ enum class PreconditionerKind { automatic, jacobi, block_jacobi, rigid_aggregate
 /// How the linear systems of a step are solved. The defaults suit most scenes.
 /// @snippet steps.cpp solver
 struct SolverOptions {
-  SolverMethod method = SolverMethod::automatic;
-  PreconditionerKind preconditioner = PreconditionerKind::automatic;
+  SolverMethod method = SolverMethod::automatic;                      ///< iterative, direct, or as the system asks
+  PreconditionerKind preconditioner = PreconditionerKind::automatic;  ///< of the iterative method
   double tolerance = 1e-3;    ///< relative residual, 0 < tolerance < 1, see PcgOptions
   int max_iterations = 2000;  ///< of PCG, >= 0
 };
@@ -70,9 +80,11 @@ struct SolverOptions {
 template <std::floating_point Scalar>
 class AutoSolver {
  public:
-  using Options = SolverOptions;
+  using Options = SolverOptions;  ///< what it is made with
 
+  /// Checks nothing: a solve reports options that are out of range.
   explicit AutoSolver(const Options& options = {});
+  /// Copies share the symbolic part.
   AutoSolver(const AutoSolver&);
   AutoSolver(AutoSolver&&) noexcept;
   AutoSolver& operator=(const AutoSolver&);
@@ -88,16 +100,19 @@ class AutoSolver {
 
   /// What is used now.
   [[nodiscard]] SolverMethod method() const { return method_; }
+  /// The preconditioner in use.
   [[nodiscard]] PreconditionerKind preconditioner() const { return preconditioner_; }
 
   /// What a solve with it should cost, in products: see SolveCost. 0 where nothing is predicted.
   [[nodiscard]] double predicted_products() const { return predicted_products_; }
 
+  /// What it was made with.
   [[nodiscard]] const Options& options() const { return options_; }
 
   /// One of the same options, as before `analyze`: cheaper to compile than a copy.
   [[nodiscard]] AutoSolver unanalyzed() const { return AutoSolver(options_); }
 
+  /// Bytes of its own, and those that copies share.
   [[nodiscard]] COROTET_COLD MemoryUse memory() const;
 
   /// For snapshots.
@@ -127,10 +142,10 @@ class AutoSolver {
   Options options_;
   SolverMethod method_ = SolverMethod::pcg;
   PreconditionerKind preconditioner_ = PreconditionerKind::block_jacobi;
-  SolveCost cost_;
+  detail::SolveCost cost_;
   double predicted_products_ = 0, warped_products_ = std::numeric_limits<double>::infinity();
   bool may_change_ = false;
-  IterationWatch watch_;
+  detail::IterationWatch watch_;
   /// What the methods work with; empty where a method is not used.
   struct Methods {
     Pcg<Scalar> pcg;
@@ -138,7 +153,7 @@ class AutoSolver {
     RigidAggregates<Scalar> rigid;
     WarpedCholesky<Scalar> warped;
     BlockCholesky<Scalar> cholesky;
-    Refinement<Scalar> refinement;
+    detail::Refinement<Scalar> refinement;
   };
   detail::DeepPointer<Methods> methods_;
 };
@@ -164,7 +179,7 @@ void AutoSolver<Scalar>::analyze(const std::shared_ptr<const BlockPattern>& patt
   if (method_ == SolverMethod::cholesky) {
     methods_->cholesky.analyze(*pattern);
     if (methods_->cholesky.is_ready()) {
-      methods_->refinement = Refinement<Scalar>(pattern->rows());
+      methods_->refinement = detail::Refinement<Scalar>(pattern->rows());
       return;
     }
     method_ = SolverMethod::pcg;
@@ -179,17 +194,17 @@ void AutoSolver<Scalar>::choose_preconditioner(const std::shared_ptr<const Block
                                                const Field<Scalar>& rest) {
   using enum PreconditionerKind;
   const Index vertices = pattern->rows();
-  cost_ = SolveCost(pattern->blocks(), vertices);
+  cost_ = detail::SolveCost(pattern->blocks(), vertices);
   preconditioner_ = options_.preconditioner;
   if (preconditioner_ == jacobi || preconditioner_ == block_jacobi) {
     methods_->diagonal = BlockJacobi<Scalar>(preconditioner_ == block_jacobi);
     methods_->diagonal.analyze(pattern, rest);
     return;
   }
-  detail::Shared<SymbolicFactor> symbolic;
+  detail::Shared<detail::SymbolicFactor> symbolic;
   if (preconditioner_ == warped_cholesky ||
       (preconditioner_ == automatic && vertices <= max_vertices_of_a_small_body)) {
-    symbolic = detail::Shared<SymbolicFactor>::make(*pattern);
+    symbolic = detail::Shared<detail::SymbolicFactor>::make(*pattern);
     if (symbolic->fits()) warped_products_ = cost_.warped_cholesky(double(symbolic->blocks));
   }
   if (preconditioner_ == warped_cholesky && symbolic->fits()) {
@@ -243,7 +258,8 @@ template <std::floating_point Scalar>
 SolveReport AutoSolver<Scalar>::solve_directly(const StepSystem<Scalar>& system, Field<Scalar>& x,
                                                ExecutorRef executor) {
   std::fill(x.begin(), x.end(), Vec3<Scalar>::Zero());
-  if (!is_tolerance(options_.tolerance) || system.coupling != nullptr) return {SolveStatus::invalid_options, 0, 1.0};
+  if (!detail::is_tolerance(options_.tolerance) || system.coupling != nullptr)
+    return {SolveStatus::invalid_options, 0, 1.0};
   if (!methods_->cholesky.factorize(system.matrix)) return {SolveStatus::breakdown, 0, 1.0};
   const auto factor = [this](const Field<Scalar>& r, Field<Scalar>& y) { methods_->cholesky.solve(r, y); };
   return methods_->refinement.solve(system.matrix, factor, system.right_side, x, options_.tolerance, executor);

@@ -29,9 +29,10 @@ namespace corotet::inline v0_1 {
 template <std::floating_point Scalar, int B = 3>
 class BlockCholesky {
  public:
-  using Block = Matrix<double, B, B>;
+  using Block = Matrix<double, B, B>;  ///< of the matrix, in double
 
   BlockCholesky() = default;
+  /// Copies share the symbolic part.
   BlockCholesky(const BlockCholesky& other)
       : symbolic_(other.symbolic_),
         value_(other.copy_of_values()),
@@ -39,6 +40,7 @@ class BlockCholesky {
         index_(other.index_),
         has_factor_(other.has_factor_) {}
   BlockCholesky(BlockCholesky&&) noexcept = default;
+  /// Copies share the symbolic part.
   BlockCholesky& operator=(const BlockCholesky& other) {
     if (this != &other) *this = BlockCholesky(other);
     return *this;
@@ -47,8 +49,11 @@ class BlockCholesky {
   ~BlockCholesky() = default;
 
   /// Ordering, pattern of L, and memory for L, if it fits.
-  COROTET_COLD void analyze(const BlockPattern& pattern) { analyze(detail::Shared<SymbolicFactor>::make(pattern)); }
-  COROTET_COLD void analyze(detail::Shared<SymbolicFactor> symbolic) {
+  COROTET_COLD void analyze(const BlockPattern& pattern) {
+    analyze(detail::Shared<detail::SymbolicFactor>::make(pattern));
+  }
+  /// The same with a symbolic factor that others hold as well.
+  COROTET_COLD void analyze(detail::Shared<detail::SymbolicFactor> symbolic) {
     *this = {};
     symbolic_ = std::move(symbolic);
     if (!symbolic_->fits()) return;
@@ -60,8 +65,10 @@ class BlockCholesky {
   /// False before `analyze`, and for a factor that cannot be indexed: then nothing below may be called.
   [[nodiscard]] bool is_ready() const { return !value_.empty(); }
 
+  /// Rows of blocks of the matrix.
   [[nodiscard]] Index rows() const { return symbolic_->rows(); }
-  [[nodiscard]] const SymbolicFactor& symbolic() const { return *symbolic_; }
+  /// Pattern and order of the factor.
+  [[nodiscard]] const detail::SymbolicFactor& symbolic() const { return *symbolic_; }
 
   /// Multiplications and additions of one factorisation: c^2/2 block products of 2 B^3 operations a column of c.
   [[nodiscard]] double factor_flops() const { return 1.0 * B * B * B * symbolic_->squares; }
@@ -76,7 +83,7 @@ class BlockCholesky {
   [[nodiscard]] bool takes(Index slot) const { return symbolic_->position[at(slot)] >= 0; }
 
   /// That block. Between `begin` and `factorize`; different slots by different threads at the same time, if need be.
-  [[nodiscard]] MatrixView<double, B, B> entry(Index slot) { return block(symbolic_->position[at(slot)]); }
+  [[nodiscard]] detail::MatrixView<double, B, B> entry(Index slot) { return block(symbolic_->position[at(slot)]); }
 
   /// False if a pivot is not positive definite to rounding: then there is no factor.
   bool factorize() {
@@ -100,7 +107,7 @@ class BlockCholesky {
         j = following;
       }
       Block inverse;
-      if (!inverse_cholesky(block(begin).value(), inverse)) return false;
+      if (!detail::inverse_cholesky(block(begin).value(), inverse)) return false;
       block(begin) = inverse;
       for (Index p = begin + 1; p < end; ++p) block(p) = block(p).value() * inverse.transpose();
       wait(k, begin + 1, first, next, done);
@@ -119,6 +126,7 @@ class BlockCholesky {
     return factorize();
   }
 
+  /// Whether the last factorisation succeeded.
   [[nodiscard]] bool has_factor() const { return has_factor_; }
 
   /// x = A^-1 b; both are rows() times B numbers, and may be the same. There must be a factor, here and below.
@@ -131,6 +139,7 @@ class BlockCholesky {
     for (Index k = 0; k < n; ++k)
       for (std::size_t c = 0; c < std::size_t{B}; ++c) x[at(symbolic_->order[at(k)]) * B + c] = segment(k)[c];
   }
+  /// Solves A x = b with the factor; b and x may be the same.
   void solve(const Field<Scalar>& b, Field<Scalar>& x)
     requires(B == 3)
   {
@@ -140,6 +149,7 @@ class BlockCholesky {
   /// The B numbers of row symbolic().order[k] with zeros behind them: the right side before `solve_segments`. After it
   /// the solution, with any numbers behind it.
   [[nodiscard]] Scalar* segment(Index k) { return segment_.data() + at(k) * width; }
+  /// Solves with the right side that the segments hold, which then hold the solution.
   void solve_segments() {
     const Index n = rows();
     for (Index j = 0; j < n; ++j) eliminate(j);
@@ -154,14 +164,16 @@ class BlockCholesky {
     if (archive.reads()) has_factor_ = count > 0;
   }
 
+  /// Bytes of its own, and those that copies share.
   [[nodiscard]] MemoryUse memory() const {
-    return {bytes_of(value_) + bytes_of(segment_) + bytes_of(index_), symbolic_ ? symbolic_->bytes() : 0};
+    return {detail::bytes_of(value_) + detail::bytes_of(segment_) + detail::bytes_of(index_),
+            symbolic_ ? symbolic_->bytes() : 0};
   }
 
  private:
   static constexpr std::size_t block_size = std::size_t{B} * B;
   static constexpr std::size_t padding = width;  // numbers that are read behind the last block
-  using Segment = SimdVec<Scalar, int{width}>;
+  using Segment = detail::SimdVec<Scalar, int{width}>;
 
   [[nodiscard]] detail::Buffer<double> copy_of_values() const {
     detail::Buffer<double> copy = value_.without_values();
@@ -172,8 +184,8 @@ class BlockCholesky {
   [[nodiscard]] Index start(Index column) const { return symbolic_->column_start[at(column)]; }
 
   // Of L, while it is made, and of A before. On the diagonal: at the end, the inverse of L_jj.
-  [[nodiscard]] MatrixView<double, B, B> block(Index p) {
-    return MatrixView<double, B, B>(value_.data() + block_size * at(p));
+  [[nodiscard]] detail::MatrixView<double, B, B> block(Index p) {
+    return detail::MatrixView<double, B, B>(value_.data() + block_size * at(p));
   }
 
   /// Column j waits for the column in whose row its block p is.
@@ -216,7 +228,7 @@ class BlockCholesky {
     }
   }
 
-  using Column = SimdVec<double, 4>;  // of a 3x3 block, and one number more
+  using Column = detail::SimdVec<double, 4>;  // of a 3x3 block, and one number more
   COROTET_ALWAYS_INLINE void subtract_product(Index p, const Block& factor, std::array<Column, 3>& sum) const {
     const double* const source = value_.data() + block_size * at(p);
     COROTET_UNROLL
@@ -292,7 +304,7 @@ class BlockCholesky {
     return sum;
   }
 
-  detail::Shared<SymbolicFactor> symbolic_;
+  detail::Shared<detail::SymbolicFactor> symbolic_;
   detail::Buffer<double> value_;
   detail::Scratch<Scalar> segment_;
   detail::Scratch<Index> index_;  // see factorize

@@ -17,17 +17,20 @@ namespace corotet::inline v0_1 {
 template <std::floating_point Scalar>
 class BlockJacobi {
  public:
-  using scalar_type = Scalar;
+  using scalar_type = Scalar;  ///< of the matrix
   /// The residual says little about the error here: see Pcg.
   static constexpr int estimator_delay = 16;
 
+  /// `whole_blocks`: inverts the 3x3 blocks on the diagonal; otherwise their diagonals alone.
   explicit BlockJacobi(bool whole_blocks = true) : whole_blocks_(whole_blocks) {}
 
+  /// See Preconditioner.
   void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& /*rest*/) {
     inverse_ = detail::Scratch<Inverse>(at(pattern->rows()));
     sum_ = DeterministicSum(pattern->rows());
   }
 
+  /// See Preconditioner.
   void update(const StepSystem<Scalar>& system, ExecutorRef executor) {
     for_ranges(executor, size_of(inverse_), DeterministicSum::grain, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) {
@@ -37,24 +40,27 @@ class BlockJacobi {
     });
   }
 
+  /// See Preconditioner.
   double apply(const PaddedField<Scalar>& r, PaddedField<Scalar>& z, ExecutorRef executor) {
     return sum_(executor, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) z[at(i)].set(apply_to(i, r[at(i)]));
-      return range_dot(r, z, begin, end);
+      return detail::range_dot(r, z, begin, end);
     });
   }
 
   /// D^-1 r of one vertex.
-  [[nodiscard]] COROTET_ALWAYS_INLINE Vec4<Scalar> apply_to(Index vertex, const PaddedVector<Scalar>& r) const {
+  [[nodiscard]] COROTET_ALWAYS_INLINE detail::Vec4<Scalar> apply_to(Index vertex, const PaddedVector<Scalar>& r) const {
     const Scalar* d = inverse_[at(vertex)].data();
-    return Vec4<Scalar>::load(d) * Vec4<Scalar>(r[0]) + Vec4<Scalar>::load(d + 4) * Vec4<Scalar>(r[1]) +
-           Vec4<Scalar>::load(d + 8) * Vec4<Scalar>(r[2]);
+    return detail::Vec4<Scalar>::load(d) * detail::Vec4<Scalar>(r[0]) +
+           detail::Vec4<Scalar>::load(d + 4) * detail::Vec4<Scalar>(r[1]) +
+           detail::Vec4<Scalar>::load(d + 8) * detail::Vec4<Scalar>(r[2]);
   }
 
-  [[nodiscard]] MemoryUse memory() const { return MemoryUse{bytes_of(inverse_), 0} + sum_.memory(); }
+  /// Bytes of its own.
+  [[nodiscard]] MemoryUse memory() const { return MemoryUse{detail::bytes_of(inverse_), 0} + sum_.memory(); }
 
  private:
-  using Inverse = Matrix<Scalar, 4, 3>;  // each column with a zero behind it: a Quad
+  using Inverse = Matrix<Scalar, 4, 3>;  // each column with a zero behind it: a Vec4
 
   [[nodiscard]] Mat3<Scalar> inverse(const Mat3<Scalar>& block) const {
     if (!whole_blocks_) {

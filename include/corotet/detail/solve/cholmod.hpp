@@ -32,9 +32,10 @@ struct CholmodOptions {
 template <std::floating_point Scalar>
 class CholmodSolver {
  public:
-  using Options = CholmodOptions;
+  using Options = CholmodOptions;  ///< what it is made with
 
   CholmodSolver() = default;
+  /// Checks nothing: a solve reports options that are out of range.
   explicit CholmodSolver(const Options& options) : options_(options) {}
   /// Shares nothing: CHOLMOD's factors cannot be copied, and the copy does the symbolic work again.
   CholmodSolver(const CholmodSolver& other)
@@ -45,6 +46,7 @@ class CholmodSolver {
     if (matrix_.rows() > 0) cholmod_->analyzePattern(matrix_);
   }
   CholmodSolver(CholmodSolver&&) noexcept = default;
+  /// Copies begin anew: the next solve factors.
   CholmodSolver& operator=(const CholmodSolver& other) {
     if (this != &other) *this = CholmodSolver(other);
     return *this;
@@ -56,7 +58,7 @@ class CholmodSolver {
   void analyze(const std::shared_ptr<const BlockPattern>& shared_pattern, const Field<Scalar>& /*rest*/) {
     const BlockPattern& pattern = *shared_pattern;
     COROTET_ASSERT(pattern.blocks() <= (std::numeric_limits<Index>::max)() / 9, "too large for 32-bit indices");
-    refinement_ = Refinement<Scalar>(pattern.rows());
+    refinement_ = detail::Refinement<Scalar>(pattern.rows());
     const Index n = 3 * pattern.rows();
     matrix_.resize(n, n);
     matrix_.resizeNonZeros(Eigen::Index{9} * pattern.blocks());
@@ -75,6 +77,7 @@ class CholmodSolver {
     cholmod_->analyzePattern(matrix_);
   }
 
+  /// See LinearSolver.
   SolveReport solve(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor) {
     if (system.coupling != nullptr) return {SolveStatus::invalid_options, 0, 1.0};
     const BlockMatrix<Scalar>& matrix = system.matrix;
@@ -101,7 +104,7 @@ class CholmodSolver {
   using Factorization = Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double, Eigen::ColMajor, Index>>;
   std::unique_ptr<Factorization> cholmod_ = std::make_unique<Factorization>();
   Eigen::VectorXd right_side_;
-  Refinement<Scalar> refinement_;
+  detail::Refinement<Scalar> refinement_;
 };
 
 }  // namespace corotet::inline v0_1

@@ -15,6 +15,8 @@
 
 namespace corotet::inline v0_1 {
 
+namespace detail {
+
 /// The numbers of a field's entries [begin, end), vertex-major; those of padded fields with their zeros.
 template <class FieldType>
 [[nodiscard]] auto range_of(FieldType& field, Index begin, Index end) {
@@ -87,28 +89,32 @@ class DeterministicReduction {
 
  private:
   Index count_ = 0;
-  detail::Scratch<double> partial_;  // K a range
+  Scratch<double> partial_;  // K a range
 };
+
+}  // namespace detail
 
 /// One sum.
 class DeterministicSum {
  public:
   DeterministicSum() = default;
+  /// Of a field with so many entries.
   explicit DeterministicSum(Index count) : sums_(count) {}
 
   /// The sum of `part(begin, end)`, which returns a double, over all ranges.
   template <std::invocable<Index, Index> Part>
   [[nodiscard]] double operator()(ExecutorRef executor, Part&& part) {
     return sums_(executor,
-                 [&](Index begin, Index end) { return DeterministicReduction<1>::Sums{part(begin, end)}; })[0];
+                 [&](Index begin, Index end) { return detail::DeterministicReduction<1>::Sums{part(begin, end)}; })[0];
   }
 
+  /// Bytes of its own.
   [[nodiscard]] MemoryUse memory() const { return sums_.memory(); }
 
-  static constexpr Index grain = DeterministicReduction<1>::grain;
+  static constexpr Index grain = detail::DeterministicReduction<1>::grain;  ///< entries a task
 
  private:
-  DeterministicReduction<1> sums_;
+  detail::DeterministicReduction<1> sums_;
 };
 
 }  // namespace corotet::inline v0_1

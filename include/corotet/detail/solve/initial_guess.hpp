@@ -14,7 +14,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// Keeps the last solutions, and starts from that combination of them which is nearest to the new solution in the
 /// energy norm (Fischer 1998, "Projection techniques for iterative solution of Ax = b with successive right-hand
@@ -70,7 +70,7 @@ class InitialGuess {
 
   [[nodiscard]] MemoryUse memory() const { return MemoryUse{depth * bytes_of(last_[0]), 0} + sums_.memory(); }
 
-  void visit_state(detail::StateArchive& archive) { archive(last_); }
+  void visit_state(StateArchive& archive) { archive(last_); }
 
  private:
   /// For each k: x_k . A x_l for l <= k, then x_k . b
@@ -154,4 +154,4 @@ class InitialGuess {
   DeterministicReduction<sum_count> sums_;
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

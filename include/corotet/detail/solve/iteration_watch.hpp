@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// Counts alone, no clock: the same on every machine and in every run.
 class IterationWatch {
@@ -31,7 +31,7 @@ class IterationWatch {
     return mean;
   }
 
-  void visit_state(detail::StateArchive& archive) {
+  void visit_state(StateArchive& archive) {
     archive(lag_key_);
     archive(solves_);
     archive(sum_);
@@ -42,4 +42,4 @@ class IterationWatch {
   int solves_ = 0, sum_ = 0;
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

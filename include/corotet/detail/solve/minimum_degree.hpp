@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// Approximate minimum degree (Amestoy, Davis & Duff 1996, "An approximate minimum degree ordering algorithm") on the
 /// graph of a pattern: a quotient graph of variables that are left and elements that were eliminated, with aggressive
@@ -240,4 +240,4 @@ class MinimumDegree {
   std::vector<Index> twin_, last_;                      // lists of merged variables
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

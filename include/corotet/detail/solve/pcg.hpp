@@ -64,16 +64,18 @@ template <std::floating_point Scalar>
 class Pcg {
  public:
   Pcg() = default;
+  /// Memory for systems of so many vertices.
   COROTET_COLD explicit Pcg(Index vertices)
       : x_(at(vertices)), r_(x_), z_(x_), p_(x_), guess_(vertices), sum_(vertices) {}
 
   /// Sets x to the solution. The residual that is reported is that of the x returned, measured; where rounding has made
   /// it larger than the iteration believed, the iteration starts again from x, as long as that helps.
-  SolveReport solve(const StepSystem<Scalar>& system, PreconditionerRef<Scalar> preconditioner, Field<Scalar>& x,
-                    const PcgOptions& options, ExecutorRef executor) {
+  SolveReport solve(const StepSystem<Scalar>& system, detail::PreconditionerRef<Scalar> preconditioner,
+                    Field<Scalar>& x, const PcgOptions& options, ExecutorRef executor) {
     SolveReport report;
     std::fill(x.begin(), x.end(), Vec3<Scalar>::Zero());
-    if (!is_tolerance(options.tolerance) || options.max_iterations < 0) return {SolveStatus::invalid_options, 0, 1.0};
+    if (!detail::is_tolerance(options.tolerance) || options.max_iterations < 0)
+      return {SolveStatus::invalid_options, 0, 1.0};
     double energy = guess_.start(system, x_, r_, {&z_, &p_}, executor);
     double error2 = preconditioner.apply(r_, z_, executor);
     if (!std::isfinite(error2) || error2 < 0 || !std::isfinite(energy)) return {SolveStatus::breakdown, 0, 1.0};
@@ -105,16 +107,20 @@ class Pcg {
     return report;
   }
 
+  /// For snapshots.
   void visit_state(detail::StateArchive& archive) { guess_.visit_state(archive); }
 
-  [[nodiscard]] MemoryUse memory() const { return MemoryUse{4 * bytes_of(x_), 0} + guess_.memory() + sum_.memory(); }
+  /// Bytes of its own.
+  [[nodiscard]] MemoryUse memory() const {
+    return MemoryUse{4 * detail::bytes_of(x_), 0} + guess_.memory() + sum_.memory();
+  }
 
  private:
   /// Conjugate gradients from x_, whose residual is r_ with z_ = P r_ and r_ . z_ = rz, until the error that the
   /// recursion follows is small enough. `energy` is that of x, and follows it.
-  void iterate(const StepSystem<Scalar>& system, PreconditionerRef<Scalar> preconditioner, double rz, double wanted,
-               int max_iterations, double& energy, SolveReport& report, ExecutorRef executor) {
-    detail::RecentGains<PreconditionerRef<Scalar>::max_estimator_delay> gains(preconditioner.estimator_delay());
+  void iterate(const StepSystem<Scalar>& system, detail::PreconditionerRef<Scalar> preconditioner, double rz,
+               double wanted, int max_iterations, double& energy, SolveReport& report, ExecutorRef executor) {
+    detail::RecentGains<detail::PreconditionerRef<Scalar>::max_estimator_delay> gains(preconditioner.estimator_delay());
     // What the recursion has left below this is rounding: a small system is solved before the gains tell.
     constexpr auto rounding = static_cast<double>(std::numeric_limits<Scalar>::epsilon()) / 4;
     for_ranges(executor, size_of(r_), DeterministicSum::grain, [&](Index begin, Index end) {
@@ -128,7 +134,7 @@ class Pcg {
       PaddedField<Scalar>& q = z_;  // = A p_; the z_ of before is in p_
       double curvature = sum_(executor, [&](Index begin, Index end) {
         for (Index i = begin; i < end; ++i) q[at(i)].set(system.matrix.row_product(i, p_));
-        return range_dot(p_, q, begin, end);
+        return detail::range_dot(p_, q, begin, end);
       });
       if (system.coupling != nullptr) curvature = couple(*system.coupling, q, executor);
       ++report.iterations;
@@ -138,9 +144,9 @@ class Pcg {
       }
       const auto alpha = static_cast<Scalar>(rz / curvature);
       for_ranges(executor, size_of(r_), DeterministicSum::grain, [&](Index begin, Index end) {
-        map_range(
+        detail::map_range(
             begin, end, x_, [=](auto x, auto p) { return x + alpha * p; }, x_, p_);
-        map_range(
+        detail::map_range(
             begin, end, r_, [=](auto r, auto ap) { return r - alpha * ap; }, r_, q);
       });
       const double gain = rz * (rz / curvature);
@@ -153,7 +159,7 @@ class Pcg {
       }
       const auto beta = static_cast<Scalar>(rz_next / rz);
       for_ranges(executor, size_of(r_), DeterministicSum::grain, [&](Index begin, Index end) {
-        map_range(
+        detail::map_range(
             begin, end, p_, [=](auto z, auto p) { return z + beta * p; }, z_, p_);
       });
       rz = rz_next;
@@ -175,13 +181,13 @@ class Pcg {
   [[nodiscard]] COROTET_COLD double couple(const MatrixFreeTerm<Scalar>& coupling, PaddedField<Scalar>& q,
                                            ExecutorRef executor) {
     coupling.add(p_, q);
-    return sum_(executor, [&](Index begin, Index end) { return range_dot(p_, q, begin, end); });
+    return sum_(executor, [&](Index begin, Index end) { return detail::range_dot(p_, q, begin, end); });
   }
   COROTET_COLD void subtract_coupling(const MatrixFreeTerm<Scalar>& coupling, ExecutorRef executor) {
     for (PaddedVector<Scalar>& z : z_) z = {};
     coupling.add(x_, z_);
     for_ranges(executor, size_of(r_), DeterministicSum::grain, [&](Index begin, Index end) {
-      map_range(
+      detail::map_range(
           begin, end, r_, [](auto r, auto z) { return r - z; }, r_, z_);
     });
   }
@@ -189,7 +195,7 @@ class Pcg {
   static constexpr double max_loose_tolerance = 0.5;
 
   detail::Scratch<PaddedVector<Scalar>> x_, r_, z_, p_;
-  InitialGuess<Scalar> guess_;
+  detail::InitialGuess<Scalar> guess_;
   DeterministicSum sum_;
 };
 

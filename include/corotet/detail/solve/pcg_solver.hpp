@@ -20,22 +20,27 @@ template <class P, std::floating_point Scalar = typename P::scalar_type>
   requires Preconditioner<P, Scalar>
 class PcgSolver {
  public:
-  using Options = PcgOptions;
+  using Options = PcgOptions;  ///< what it is made with
 
+  /// Takes the preconditioner as it is; `analyze` prepares it.
   explicit PcgSolver(const Options& options = {}, P preconditioner = P())
       : options_(options), preconditioner_(std::move(preconditioner)) {}
 
+  /// See LinearSolver.
   COROTET_COLD void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest) {
     pcg_ = Pcg<Scalar>(pattern->rows());
     preconditioner_.analyze(pattern, rest);
   }
 
+  /// See LinearSolver.
   SolveReport solve(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor) {
     preconditioner_.update(system, executor);
     return pcg_.solve(system, preconditioner_, x, options_, executor);
   }
 
+  /// What it was made with.
   [[nodiscard]] const Options& options() const { return options_; }
+  /// The preconditioner in use.
   [[nodiscard]] const P& preconditioner() const { return preconditioner_; }
 
   /// For snapshots: with the preconditioner's state, if it has one.
@@ -44,6 +49,7 @@ class PcgSolver {
     if constexpr (requires { preconditioner_.visit_state(archive); }) preconditioner_.visit_state(archive);
   }
 
+  /// Bytes of its own and of the preconditioner, and those that copies share.
   [[nodiscard]] MemoryUse memory() const
     requires requires(const P& p) {
       { p.memory() } -> std::same_as<MemoryUse>;

@@ -8,10 +8,12 @@
 
 namespace corotet::inline v0_1 {
 
-/// A preconditioner that follows the body's rotations grows worse as the body strains. The policy asks for a new factor
-/// in a new era: the system changed for other reasons than motion. It also asks when a solve took half as many
-/// applications again as the best one did. That happens seldom, because a factor costs as much as many solves. Counts
-/// alone decide, no clock: the same on every machine.
+/// Tells a preconditioner when to make its factor again.
+///
+/// A factor that follows the body's rotations approximates the matrix less well as the body strains. The policy asks
+/// for a new one when StepSystem::lag_key changes, and when a solve took half as many applications again as the best
+/// one did. That happens seldom, because a factor costs as much as many solves. Counts decide, not a clock: so the same
+/// steps refactor on every machine.
 class RefactorizationPolicy {
  public:
   /// True if the factor shall be made now. To be called once a solve, before it.
@@ -40,6 +42,7 @@ class RefactorizationPolicy {
   /// To be called at each application.
   void count() { ++applications_; }
 
+  /// For snapshots.
   void visit_state(detail::StateArchive& archive) {
     archive(lag_key_);
     archive(age_);
@@ -50,7 +53,7 @@ class RefactorizationPolicy {
  private:
   static constexpr int min_age = 50;  // solves
 
-  std::uint64_t lag_key_ = 0;  // no system has era 0
+  std::uint64_t lag_key_ = 0;  // no system has this one
   int age_ = 0, applications_ = 0, fewest_ = 0;
 };
 

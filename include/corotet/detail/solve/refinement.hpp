@@ -11,7 +11,7 @@
 #include <corotet/detail/solve/deterministic_reduction.hpp>
 #include <corotet/detail/solve/solver.hpp>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// Solves with a factorisation of the matrix, measures the residual, and corrects until it is small enough. Keeps its
 /// vectors between solves. (Golub & Van Loan 2013, section 3.5.3.)
@@ -30,7 +30,7 @@ class Refinement {
     SolveReport report;
     const double size = sum_(executor, [&](Index i, Index j) { return range_dot(b, b, i, j); });
     std::fill(x.begin(), x.end(), Vec3<Scalar>::Zero());
-    if (detail::is_zero(size)) return report;
+    if (is_zero(size)) return report;
     residual_ = b;
     for (;;) {
       factor(residual_, correction_);
@@ -60,4 +60,4 @@ class Refinement {
   DeterministicSum sum_;
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

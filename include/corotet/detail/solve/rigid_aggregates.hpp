@@ -38,8 +38,8 @@ namespace corotet::inline v0_1 {
 template <std::floating_point Scalar>
 class RigidAggregates {
  public:
-  using scalar_type = Scalar;
-  static constexpr int estimator_delay = 0;
+  using scalar_type = Scalar;                ///< of the matrix
+  static constexpr int estimator_delay = 0;  ///< its error estimate needs no delay
 
   struct Sizes {
     Index aggregates = 0;  ///< of vertices; 0: as `sizes_for` says
@@ -55,18 +55,20 @@ class RigidAggregates {
     return {vertices / std::clamp<Index>(vertices / 150, least, most), 0};
   }
 
+  /// Numbers of aggregates; 0: as the number of vertices asks.
   explicit RigidAggregates(const Sizes& sizes = {}) : wanted_(sizes) {}
 
+  /// See Preconditioner.
   COROTET_COLD void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest) {
     const Sizes sizes = wanted_.aggregates > 0 ? wanted_ : sizes_for(pattern->rows());
     model_ = detail::Shared<Model>::make(*pattern, rest, sizes);
     const Hierarchy& h = model_->hierarchy;
-    motion_ = AggregateMotion<Scalar>(h);
+    motion_ = detail::AggregateMotion<Scalar>(h);
     smoother_.analyze(pattern, rest);
     cholesky_.analyze(model_->coarse_pattern);
-    load_ = detail::Scratch<SixVector<Scalar>>(at(h.fine.count()));
+    load_ = detail::Scratch<detail::SixVector<Scalar>>(at(h.fine.count()));
     answer_ = load_;
-    coarse_answer_ = detail::Scratch<SixVector<Scalar>>(at(h.coarse_count()));
+    coarse_answer_ = detail::Scratch<detail::SixVector<Scalar>>(at(h.coarse_count()));
     product_ = detail::Scratch<double>(at(h.fine.count()));
     own_inverse_ = detail::Buffer<Block6>(at(h.two_levels ? 0 : h.fine.count()), Block6::Zero());
     policy_ = {};
@@ -74,8 +76,10 @@ class RigidAggregates {
 
   /// Blocks in the coarse factor.
   [[nodiscard]] std::size_t factor_blocks() const { return cholesky_.symbolic().blocks; }
+  /// Numbers of aggregates in use.
   [[nodiscard]] Sizes sizes() const { return {hierarchy().fine.count(), hierarchy().coarse_count()}; }
 
+  /// See Preconditioner.
   void update(const StepSystem<Scalar>& system, ExecutorRef executor) {
     smoother_.update(system, executor);
     const bool refactor = policy_.should_refactor(system.lag_key);
@@ -84,6 +88,7 @@ class RigidAggregates {
     if (refactor) factorize(system.matrix, executor);
   }
 
+  /// See Preconditioner.
   double apply(const PaddedField<Scalar>& r, PaddedField<Scalar>& z, ExecutorRef executor) {
     if (!cholesky_.has_factor()) return std::numeric_limits<double>::quiet_NaN();
     policy_.count();
@@ -106,14 +111,16 @@ class RigidAggregates {
     return sum;
   }
 
+  /// Bytes of its own, and those that copies share.
   [[nodiscard]] MemoryUse memory() const {
     MemoryUse use = smoother_.memory() + cholesky_.memory();
-    use.owned += motion_.bytes() + bytes_of(load_) + bytes_of(answer_) + bytes_of(coarse_answer_) +
-                 bytes_of(own_inverse_) + bytes_of(product_);
+    use.owned += motion_.bytes() + detail::bytes_of(load_) + detail::bytes_of(answer_) +
+                 detail::bytes_of(coarse_answer_) + detail::bytes_of(own_inverse_) + detail::bytes_of(product_);
     if (model_) use.shared += model_->hierarchy.bytes() + model_->coarse_pattern.bytes();
     return use;
   }
 
+  /// For snapshots.
   COROTET_COLD void visit_state(detail::StateArchive& archive) {
     motion_.visit_state(archive);
     cholesky_.visit_state(archive);
@@ -122,7 +129,7 @@ class RigidAggregates {
   }
 
  private:
-  using Hierarchy = AggregateHierarchy<Scalar>;
+  using Hierarchy = detail::AggregateHierarchy<Scalar>;
   using Block6 = Matrix<Scalar, 6, 6>;
   using WideBlock6 = Matrix<double, 6, 6>;
 
@@ -146,15 +153,15 @@ class RigidAggregates {
   /// The factor of the coarse matrix, from the matrix of now, turned back, with `shift` times its diagonal more.
   COROTET_COLD bool factorize_coarse(const BlockMatrix<Scalar>& matrix, double shift, ExecutorRef executor) {
     const Hierarchy& h = hierarchy();
-    const RigidFrames<Scalar>& frames = h.two_levels ? motion_.fine : motion_.coarse;
+    const detail::RigidFrames<Scalar>& frames = h.two_levels ? motion_.fine : motion_.coarse;
     const BlockPattern& p = model_->coarse_pattern;
     cholesky_.begin();
     for_ranges(executor, h.coarse.count(), 1, [&](Index c, Index) {
       for (const Index a : h.fine_of(c)) add_rows(matrix, a, c, nullptr);
       for (Index k = p.row_start[at(c)]; k < p.row_start[at(c) + 1]; ++k) {
         if (!cholesky_.takes(k)) continue;
-        WideBlock6 block = in_own_axes<Scalar>(frames, c, p.column[at(k)], cholesky_.entry(k));
-        if (k == p.diagonal[at(c)]) stabilise(block, shift);
+        WideBlock6 block = detail::in_own_axes<Scalar>(frames, c, p.column[at(k)], cholesky_.entry(k));
+        if (k == p.diagonal[at(c)]) detail::stabilise(block, shift);
         cholesky_.entry(k) = block;
       }
     });
@@ -165,10 +172,10 @@ class RigidAggregates {
     hierarchy().for_fine(executor, [&](Index a) {
       WideBlock6 diagonal = WideBlock6::Zero();
       add_rows(matrix, a, -1, &diagonal);
-      diagonal = in_own_axes(motion_.fine, a, a, diagonal);
-      stabilise(diagonal);
+      diagonal = detail::in_own_axes(motion_.fine, a, a, diagonal);
+      detail::stabilise(diagonal);
       WideBlock6 lower_inverse;
-      if (inverse_cholesky(diagonal, lower_inverse))
+      if (detail::inverse_cholesky(diagonal, lower_inverse))
         own_inverse_[at(a)] = (lower_inverse.transpose() * lower_inverse).template cast<Scalar>();
       else
         own_inverse_[at(a)].setZero();  // then its vertices and its coarse aggregate do what they can
@@ -213,7 +220,7 @@ class RigidAggregates {
 
   /// z = D^-1 r on the aggregate, and the force and torque of r on it; returns r . z.
   [[nodiscard]] double smooth_and_gather(Index aggregate, const PaddedField<Scalar>& r, PaddedField<Scalar>& z) {
-    using Q = Vec4<Scalar>;
+    using Q = detail::Vec4<Scalar>;
     // Column c: sum of (offset, 1) r_c. The last row is the force; the torque is the antisymmetric part of the rest.
     std::array<Q, 3> column{Q(Scalar(0)), Q(Scalar(0)), Q(Scalar(0))};
     Q product(Scalar(0));
@@ -231,15 +238,15 @@ class RigidAggregates {
     for (std::size_t c = 0; c < 3; ++c) column[c].store(m[c].data());
     std::array<Scalar, 4> sum;
     product.store(sum.data());
-    load_[at(aggregate)] =
-        six_vector<Scalar>({m[0][3], m[1][3], m[2][3]}, {m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]});
+    load_[at(aggregate)] = detail::six_vector<Scalar>({m[0][3], m[1][3], m[2][3]},
+                                                      {m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]});
     return static_cast<double>(sum[0] + sum[1] + sum[2]);
   }
 
   /// z += t + w x offset.
   void scatter(Index aggregate, PaddedField<Scalar>& z) const {
-    using Q = Vec4<Scalar>;
-    const SixVector<Scalar>& m = answer_[at(aggregate)];
+    using Q = detail::Vec4<Scalar>;
+    const detail::SixVector<Scalar>& m = answer_[at(aggregate)];
     const auto column = [](Scalar x, Scalar y, Scalar zz) {
       const std::array<Scalar, 4> c{x, y, zz, Scalar(0)};
       return Q::load(c.data());
@@ -252,14 +259,14 @@ class RigidAggregates {
     }
   }
 
-  [[nodiscard]] static SixVector<Scalar> world_motion(const RigidFrames<Scalar>& frames, Index aggregate,
-                                                      const SixVector<Scalar>& y) {
-    return six_vector<Scalar>(frames.translation(aggregate, y), frames.turn(aggregate, y));
+  [[nodiscard]] static detail::SixVector<Scalar> world_motion(const detail::RigidFrames<Scalar>& frames,
+                                                              Index aggregate, const detail::SixVector<Scalar>& y) {
+    return detail::six_vector<Scalar>(frames.translation(aggregate, y), frames.turn(aggregate, y));
   }
 
   /// The load on an aggregate in its own axes.
-  [[nodiscard]] SixVector<Scalar> in_axes_of(Index aggregate) const {
-    const SixVector<Scalar>& load = load_[at(aggregate)];
+  [[nodiscard]] detail::SixVector<Scalar> in_axes_of(Index aggregate) const {
+    const detail::SixVector<Scalar>& load = load_[at(aggregate)];
     return motion_.fine.to_own_axes(aggregate, load.template head<3>(), load.template tail<3>());
   }
 
@@ -281,10 +288,10 @@ class RigidAggregates {
     cholesky_.solve(coarse_answer_.front().data(), coarse_answer_.front().data());
     for_ranges(executor, h.coarse_count(), coarse_grain, [&](Index begin, Index end) {
       for (Index c = begin; c < end; ++c) {
-        const SixVector<Scalar> m = world_motion(motion_.coarse, c, coarse_answer_[at(c)]);
+        const detail::SixVector<Scalar> m = world_motion(motion_.coarse, c, coarse_answer_[at(c)]);
         const Vec3<Scalar> move = m.template head<3>(), turn = m.template tail<3>();
         for (const Index a : h.fine_of(c))
-          answer_[at(a)] += six_vector<Scalar>(move + turn.cross(motion_.arm[at(a)]), turn);
+          answer_[at(a)] += detail::six_vector<Scalar>(move + turn.cross(motion_.arm[at(a)]), turn);
       }
     });
   }
@@ -293,10 +300,10 @@ class RigidAggregates {
 
   Sizes wanted_;
   detail::Shared<Model> model_;
-  AggregateMotion<Scalar> motion_;
+  detail::AggregateMotion<Scalar> motion_;
   BlockJacobi<Scalar> smoother_;
   BlockCholesky<Scalar, 6> cholesky_;
-  detail::Scratch<SixVector<Scalar>> load_, answer_, coarse_answer_;
+  detail::Scratch<detail::SixVector<Scalar>> load_, answer_, coarse_answer_;
   detail::Scratch<double> product_;
   detail::Buffer<Block6> own_inverse_;
   RefactorizationPolicy policy_;

@@ -8,7 +8,7 @@
 #include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// Six numbers an aggregate: translation and rotation, or force and torque.
 template <std::floating_point Scalar>
@@ -24,11 +24,11 @@ template <std::floating_point Scalar>
 /// The position of each aggregate, and its rotation since the rest configuration.
 template <std::floating_point Scalar>
 struct RigidFrames {
-  detail::Buffer<Vec3<Scalar>> center;  ///< mean position of the members, m
-  detail::Buffer<Mat3<Scalar>> rotation;
+  Buffer<Vec3<Scalar>> center;  ///< mean position of the members, m
+  Buffer<Mat3<Scalar>> rotation;
   /// 1 / size, 1/m, which makes rotations as large as translations; 0 for an aggregate without a rotation, because its
   /// free points lie on a line.
-  detail::Buffer<Scalar> inverse_size;
+  Buffer<Scalar> inverse_size;
 
   COROTET_COLD explicit RigidFrames(Index count = 0)
       : center(at(count), Vec3<Scalar>::Zero()),
@@ -87,4 +87,4 @@ inline void stabilise(Matrix<double, 6, 6>& diagonal_block, double shift = 0) {
   }
 }
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

@@ -6,7 +6,7 @@
 #include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// Sets `inverse` to the inverse of L, a = L L^T, with zeros above its diagonal. False if `a` is not positive definite;
 /// reads its lower triangle only.
@@ -33,4 +33,4 @@ template <std::floating_point Scalar, int B>
   return true;
 }
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

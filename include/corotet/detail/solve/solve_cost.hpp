@@ -3,7 +3,7 @@
 
 #include <corotet/detail/core/types.hpp>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// The time of one solve of a step, in products of its matrix with a vector. Counts what is read and computed, with
 /// weights that were measured (docs/benchmarks/speed.md has the figures, `corotet bench` prints the prediction beside
@@ -41,4 +41,4 @@ class SolveCost {
   double blocks_ = 0, vertices_ = 0;
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

@@ -26,6 +26,8 @@ concept Preconditioner = requires(P& p, const StepSystem<Scalar>& system, const 
   { P::estimator_delay } -> std::convertible_to<int>;
 };
 
+namespace detail {
+
 /// Refers to a preconditioner of any type, which must outlive it.
 template <std::floating_point Scalar>
 class PreconditionerRef {
@@ -54,6 +56,8 @@ class PreconditionerRef {
   int estimator_delay_;
 };
 
+}  // namespace detail
+
 /// How a solve ended.
 enum class SolveStatus {
   converged,        ///< the residual is below the tolerance
@@ -63,15 +67,19 @@ enum class SolveStatus {
   breakdown         ///< the matrix is not positive definite in this precision, or not finite
 };
 
+namespace detail {
+
 /// Whether a tolerance is in its range. (Not a number is asked for first: comparing it may trap.)
 [[nodiscard]] inline bool is_tolerance(double tolerance) {
   return std::isfinite(tolerance) && tolerance > 0 && tolerance < 1;
 }
 
+}  // namespace detail
+
 /// How a linear solve ended.
 struct SolveReport {
-  SolveStatus status = SolveStatus::converged;
-  int iterations = 0;   ///< of conjugate gradients, or corrections of a direct solution
+  SolveStatus status = SolveStatus::converged;  ///< how it ended
+  int iterations = 0;                           ///< of conjugate gradients, or corrections of a direct solution
   double residual = 0;  ///< of the solution returned, relative, in the norm that the solver names
 };
 

@@ -28,8 +28,8 @@ class MatrixFreeTerm {
 /// (matrix + coupling) * x = right_side.
 template <std::floating_point Scalar>
 struct StepSystem {
-  const BlockMatrix<Scalar>& matrix;
-  const Field<Scalar>& right_side;
+  const BlockMatrix<Scalar>& matrix;  ///< symmetric, positive definite
+  const Field<Scalar>& right_side;    ///< kg m/s, one a row
   /// Of the state in which the matrix was assembled, m: with the rest positions given to `analyze`, how far each part
   /// of the body has turned.
   const Field<Scalar>& displacement;

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// Ordering and pattern of L, A = P^T L L^T P, by blocks of any size. Copies of a factor share one (Davis 2006, "Direct
 /// Methods for Sparse Linear Systems", sections 4.1 to 4.4).
@@ -105,4 +105,4 @@ struct SymbolicFactor {
   }
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

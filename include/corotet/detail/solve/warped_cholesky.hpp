@@ -32,16 +32,16 @@ namespace corotet::inline v0_1 {
 template <std::floating_point Scalar>
 class WarpedCholesky {
  public:
-  using scalar_type = Scalar;
-  static constexpr int estimator_delay = 0;
+  using scalar_type = Scalar;                ///< of the matrix
+  static constexpr int estimator_delay = 0;  ///< its error estimate needs no delay
 
   /// If the factor is too large for 32-bit indices, `apply` returns not-a-number.
   COROTET_COLD void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest) {
-    analyze(pattern, rest, detail::Shared<SymbolicFactor>::make(*pattern));
+    analyze(pattern, rest, detail::Shared<detail::SymbolicFactor>::make(*pattern));
   }
   /// The same with a symbolic factor of the pattern that is there.
   COROTET_COLD void analyze(const std::shared_ptr<const BlockPattern>& pattern, const Field<Scalar>& rest,
-                            detail::Shared<SymbolicFactor> symbolic) {
+                            detail::Shared<detail::SymbolicFactor> symbolic) {
     *this = {};
     pattern_ = pattern;
     PaddedField<Scalar> padded(rest.size());
@@ -52,6 +52,7 @@ class WarpedCholesky {
     sum_ = DeterministicSum(size_of(rest));
   }
 
+  /// See Preconditioner.
   void update(const StepSystem<Scalar>& system, ExecutorRef executor) {
     if (!cholesky_.is_ready()) return;
     turn(system.displacement, executor);
@@ -61,6 +62,7 @@ class WarpedCholesky {
     policy_.failed();
   }
 
+  /// See Preconditioner.
   double apply(const PaddedField<Scalar>& r, PaddedField<Scalar>& z, ExecutorRef executor) {
     if (!cholesky_.has_factor()) return std::numeric_limits<double>::quiet_NaN();
     policy_.count();
@@ -75,24 +77,26 @@ class WarpedCholesky {
     return sum_(executor, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i)
         z[at(i)].set(product(columns(rotation_[at(i)]), cholesky_.segment(place[at(i)])).first_three());
-      return range_dot(r, z, begin, end);
+      return detail::range_dot(r, z, begin, end);
     });
   }
 
+  /// Bytes of its own, and those that copies share.
   [[nodiscard]] MemoryUse memory() const {
     MemoryUse use = cholesky_.memory() + sum_.memory();
-    use.owned += bytes_of(rotation_);
-    if (rest_) use.shared += bytes_of(*rest_);
+    use.owned += detail::bytes_of(rotation_);
+    if (rest_) use.shared += detail::bytes_of(*rest_);
     return use;
   }
 
+  /// For snapshots.
   COROTET_COLD void visit_state(detail::StateArchive& archive) {
     cholesky_.visit_state(archive);
     policy_.visit_state(archive);
   }
 
  private:
-  using Q = Vec4<Scalar>;
+  using Q = detail::Vec4<Scalar>;
   using Columns = std::array<Q, 3>;
 
   /// Of a matrix, each with a number without meaning behind it.

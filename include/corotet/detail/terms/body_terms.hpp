@@ -33,7 +33,7 @@ class NodalForceTerm final : public StepTerm<Scalar> {
 template <std::floating_point Scalar>
 class RayleighDampingTerm final : public StepTerm<Scalar> {
  public:
-  RayleighDamping damping;
+  RayleighDamping damping;  ///< 1/s and s
 
   void add_force(const TermState<Scalar>& /*state*/, TermForces<Scalar>& /*out*/) override {}
   [[nodiscard]] RayleighDamping proportional_damping() const override { return damping; }

@@ -6,6 +6,7 @@
 #include <concepts>
 #include <corotet/detail/assembly/block_matrix.hpp>
 #include <corotet/detail/core/register.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/solve/solver.hpp>
 #include <corotet/detail/solve/step_system.hpp>
@@ -168,7 +169,7 @@ class PiecewiseTerm : public StepTerm<Scalar> {
     }
 
     [[nodiscard]] bool revise() {
-      const double error = total.residual * std::sqrt((std::max)(0.0, dot(system.right_side, system.change)));
+      const double error = total.residual * detail::square_root((std::max)(0.0, dot(system.right_side, system.change)));
       bool changed = false;
       for_each([&](PiecewiseTerm& term) { changed = term.revise(system, error) || changed; });
       return changed;

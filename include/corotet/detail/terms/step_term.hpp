@@ -78,12 +78,17 @@ template <std::floating_point Scalar>
 class Terms {
  public:
   Terms() = default;
+  /// One term, which must outlive the step.
   Terms(StepTerm<Scalar>& term) : one_(&term), count_(1) {}  // NOLINT(google-explicit-constructor): as the term
-  Terms(std::span<StepTerm<Scalar>* const> several)          // NOLINT(google-explicit-constructor): as these
+  /// Several, which must outlive the step.
+  Terms(std::span<StepTerm<Scalar>* const> several)  // NOLINT(google-explicit-constructor): as these
       : several_(several.data()), count_(several.size()) {}
 
+  /// Number of terms.
   [[nodiscard]] std::size_t size() const { return count_; }
+  /// Whether there is none.
   [[nodiscard]] bool empty() const { return count_ == 0; }
+  /// Term number i.
   [[nodiscard]] StepTerm<Scalar>& operator[](std::size_t i) const { return several_ == nullptr ? *one_ : *several_[i]; }
 
  private:

@@ -17,7 +17,7 @@ namespace corotet::inline v0_1 {
 /// `pivot_velocity`, plus angular_velocity x (x_space - pivot).
 template <std::floating_point Scalar>
 struct TurningPlacement {
-  Mat3<Scalar> rotation = Mat3<Scalar>::Identity();
+  Mat3<Scalar> rotation = Mat3<Scalar>::Identity();      ///< from the frame to space
   Vec3<Scalar> pivot = Vec3<Scalar>::Zero();             ///< m
   Vec3<Scalar> pivot_velocity = Vec3<Scalar>::Zero();    ///< m/s
   Vec3<Scalar> angular_velocity = Vec3<Scalar>::Zero();  ///< rad/s
@@ -28,9 +28,11 @@ struct TurningPlacement {
 struct PieceVertices {
   std::span<const Index> piece_of;  ///< each vertex of the body
   std::span<const Index> local;     ///< its place among the vertices of its piece
-  Index piece = 0;
+  Index piece = 0;                  ///< its number
 
+  /// Whether the piece has `vertex` of the body.
   [[nodiscard]] bool contains(Index vertex) const { return local.empty() || piece_of[at(vertex)] == piece; }
+  /// The place of `vertex` of the body in the piece's arrays.
   [[nodiscard]] std::size_t index(Index vertex) const { return local.empty() ? at(vertex) : at(local[at(vertex)]); }
 };
 
@@ -45,12 +47,12 @@ struct TermState {
   std::span<const Vec3<Scalar>> displacement;  ///< m, in the frame
   std::span<const Vec3<Scalar>> velocities;    ///< m/s, in the frame
   Vec3<double> origin = Vec3<double>::Zero();  ///< of all positions in the world, m: SoftBody::origin()
-  TurningPlacement<Scalar> frame;
-  const Mass<Scalar>* mass = nullptr;  ///< of the piece
-  PieceVertices piece;
-  Scalar h = 0;      ///< length of the step, s
-  Scalar gamma = 0;  ///< of the time scheme, s: see TimeStep
-  ExecutorRef executor;
+  TurningPlacement<Scalar> frame;              ///< in which displacement and velocities are given
+  const Mass<Scalar>* mass = nullptr;          ///< of the piece
+  PieceVertices piece;                         ///< which vertices it has
+  Scalar h = 0;                                ///< length of the step, s
+  Scalar gamma = 0;                            ///< of the time scheme, s: see TimeStep
+  ExecutorRef executor;                        ///< the caller's threads
 
   /// Whether `vertex` of the body belongs to the piece that is stepped.
   [[nodiscard]] bool contains(Index vertex) const { return piece.contains(vertex); }
@@ -89,6 +91,7 @@ struct TermState {
 template <std::floating_point Scalar>
 class TermForces {
  public:
+  /// For the library: forces of the state's piece, in its frame.
   TermForces(const TermState<Scalar>& state, Field<Scalar>& force) : state_(state), force_(force) {}
 
   /// Adds a force (N, in space) on a vertex.

@@ -17,7 +17,14 @@
 namespace corotet::inline v0_1 {
 
 /// The formats that mark their content.
-enum class MeshFormat { unknown, msh, medit, medit_binary, vtk, vega };
+enum class MeshFormat {
+  unknown,       ///< none of these
+  msh,           ///< gmsh
+  medit,         ///< Medit, as text
+  medit_binary,  ///< Medit, binary, which no reader here takes
+  vtk,           ///< legacy VTK
+  vega           ///< Vega
+};
 
 /// Tells the format from the first bytes. TetGen's files have no mark, they are `unknown`.
 [[nodiscard]] inline MeshFormat detect_mesh_format(std::string_view bytes) {

@@ -16,7 +16,13 @@
 namespace corotet::inline v0_1 {
 
 /// The formats that read_surface tells apart.
-enum class SurfaceFormat { unknown, obj, stl, ply, off };
+enum class SurfaceFormat {
+  unknown,  ///< none of these
+  obj,      ///< Wavefront
+  stl,      ///< as text or binary
+  ply,      ///< as text or binary
+  off       ///< as text
+};
 
 /// Tells the format from the content. A binary .stl has no mark, but a length that follows from its header.
 [[nodiscard]] inline SurfaceFormat detect_surface_format(std::string_view bytes) {

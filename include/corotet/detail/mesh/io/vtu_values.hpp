@@ -53,6 +53,7 @@ class VtuValues {
  public:
   VtuValues() = default;
 
+  /// Refers to an array of numbers or of vectors, which must outlive it.
   template <detail::VtuRange Range>
   VtuValues(const Range& range) {  // NOLINT(google-explicit-constructor): arrays are given as they are
     using Value = detail::VtuEntry<Range>;
@@ -77,6 +78,7 @@ class VtuValues {
 
   /// How many scalars or vectors.
   [[nodiscard]] std::size_t size() const { return size_; }
+  /// Numbers an entry: 1, or those of a vector.
   [[nodiscard]] int components() const { return components_; }
 
   /// The first entry that holds NaN or infinity; `size()` if none does.
@@ -115,16 +117,20 @@ struct VtuCells {
   int nodes_per_cell = 4;               ///< 3: triangle, 4: tetrahedron, 10: quadratic tetrahedron
 };
 
+/// The cells of mesh data.
 [[nodiscard]] inline VtuCells vtu_cells(const MeshData& mesh) { return {mesh.connectivity, mesh.nodes_per_element}; }
 
+/// The cells of triangles.
 [[nodiscard]] inline VtuCells vtu_cells(std::span<const std::array<Index, 3>> triangles) {
   return {{triangles.empty() ? nullptr : triangles.front().data(), 3 * triangles.size()}, 3};
 }
 
+/// The cells of a surface.
 [[nodiscard]] inline VtuCells vtu_cells(const SurfaceMesh& surface) {
   return vtu_cells(std::span<const std::array<Index, 3>>(surface.triangles));
 }
 
+/// The cells of a mesh, or of a body's.
 template <std::floating_point Scalar, TetrahedralElement Element>
 [[nodiscard]] VtuCells vtu_cells(const TetMesh<Scalar, Element>& mesh) {
   const auto& elements = mesh.elements();

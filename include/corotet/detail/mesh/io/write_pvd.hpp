@@ -45,6 +45,7 @@ class PvdWriter {
     return {};
   }
 
+  /// Frames written so far.
   [[nodiscard]] Index frame_count() const { return frame_count_; }
 
  private:

@@ -22,6 +22,7 @@
 
 namespace corotet::inline v0_1 {
 
+/// How the numbers stand in a .vtu file.
 enum class VtuEncoding {
   appended,  ///< raw bytes after the XML: smallest and fastest
   base64,    ///< binary within the XML, which stays a text file
@@ -30,23 +31,23 @@ enum class VtuEncoding {
 
 /// How a .vtu file stores its numbers.
 struct VtuOptions {
-  VtuEncoding encoding = VtuEncoding::appended;
+  VtuEncoding encoding = VtuEncoding::appended;  ///< appended: the smallest
   std::endian byte_order = std::endian::native;  ///< of the binary encodings
 };
 
 /// A named array with one entry a point or a cell.
 struct VtuArray {
   std::string_view name;  ///< UTF-8, no control characters, unique among the point (or cell) arrays
-  VtuValues values;
+  VtuValues values;       ///< one an entry; refers to the caller's array
 };
 
 /// What goes into the file: views, which must outlive the call. For instance
 ///   `VtuGrid grid{.points = x, .cells = vtu_cells(mesh), .point_data = {{"velocity", v}}};`
 struct VtuGrid {
-  VtuValues points;  ///< three components each, m
-  VtuCells cells;
-  std::vector<VtuArray> point_data{};
-  std::vector<VtuArray> cell_data{};
+  VtuValues points;                    ///< three components each, m
+  VtuCells cells;                      ///< refers to the caller's arrays
+  std::vector<VtuArray> point_data{};  ///< one entry a point
+  std::vector<VtuArray> cell_data{};   ///< one entry a cell
 };
 
 namespace detail {

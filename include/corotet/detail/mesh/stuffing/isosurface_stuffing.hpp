@@ -151,7 +151,7 @@ template <std::invocable<const Vec3<double>&> Function>
 /// SignedDistance::create. Where the mesh differs from the surface in its number of pieces or tunnels, or leaves out
 /// surface vertices by more than a cube, the notes say so.
 [[nodiscard]] inline Result<MeshData> stuff_surface(const SurfaceMesh& surface, StuffingOptions options) {
-  const Result<SignedDistance> distance = SignedDistance::create(surface);
+  const Result<detail::SignedDistance> distance = detail::SignedDistance::create(surface);
   if (!distance) return distance.error();
   options.is_distance = true;
   Result<MeshData> mesh = stuff_isosurface(*distance, distance->bounds(), options);

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// Topology of a triangle surface. For closed surfaces without self-contact: euler = 2 (components - tunnels).
 struct SurfaceTopology {
@@ -58,8 +58,6 @@ struct SurfaceTopology {
   return out;
 }
 
-namespace detail {
-
 /// Adds notes about what the mesh of `surface`, made with lattice cubes of `size` (m), lost.
 inline Result<void> note_perforation(MeshData& mesh, const SurfaceMesh& surface, double size) {
   const Result<BoundarySurface> boundary = extract_boundary(mesh);
@@ -98,5 +96,4 @@ inline Result<void> note_perforation(MeshData& mesh, const SurfaceMesh& surface,
   return {};
 }
 
-}  // namespace detail
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail

@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-namespace corotet::inline v0_1 {
+namespace corotet::inline v0_1::detail {
 
 /// Distance to a closed surface, m, negative inside. The sign is that of the angle-weighted pseudonormal of the nearest
 /// vertex, edge or face (Bærentzen & Aanæs 2005): it comes with the distance from a single search and is exact on edges
@@ -30,9 +30,8 @@ class SignedDistance {
   /// not merged), or where the surface encloses no volume.
   [[nodiscard]] static Result<SignedDistance> create(const SurfaceMesh& surface) {
     if (surface.triangles.empty()) return Error{ErrorCode::empty_mesh, "surface", "it has no triangles"};
-    if (Result<void> status = detail::check_positions(surface.positions, "surface vertex"); !status)
-      return status.error();
-    if (Result<void> status = detail::check_triangles(surface); !status) return status.error();
+    if (Result<void> status = check_positions(surface.positions, "surface vertex"); !status) return status.error();
+    if (Result<void> status = check_triangles(surface); !status) return status.error();
     SignedDistance out;
     out.positions_ = surface.positions;
     out.triangles_ = surface.triangles;
@@ -47,7 +46,7 @@ class SignedDistance {
       for (const Vec3<double>& p : {x, y, z}) box.add(p);
     }
     if (Result<void> status = out.add_edges(); !status) return status.error();
-    if (detail::is_zero(volume)) return Error{ErrorCode::invalid_argument, "surface", "it encloses no volume"};
+    if (is_zero(volume)) return Error{ErrorCode::invalid_argument, "surface", "it encloses no volume"};
     out.turn_ = volume < 0 ? -1 : 1;
     out.vertex_normals_ = vertex_normals(surface);
     out.tree_ = BoxTree(boxes);
@@ -78,7 +77,7 @@ class SignedDistance {
   SignedDistance() = default;
 
   static double nearest_or_infinite(const SimplexPoint<3>& q) {
-    const bool unset = detail::is_zero(q.barycentric[0] + q.barycentric[1] + q.barycentric[2]);
+    const bool unset = is_zero(q.barycentric[0] + q.barycentric[1] + q.barycentric[2]);
     return unset ? std::numeric_limits<double>::infinity() : q.squared_distance;
   }
 
@@ -86,11 +85,10 @@ class SignedDistance {
   [[nodiscard]] const Vec3<double>& pseudonormal(Index t, const SimplexPoint<3>& q) const {
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-      if (detail::is_zero(q.barycentric[j]) && detail::is_zero(q.barycentric[k]))
-        return vertex_normals_[at(triangles_[at(t)][i])];
+      if (is_zero(q.barycentric[j]) && is_zero(q.barycentric[k])) return vertex_normals_[at(triangles_[at(t)][i])];
     }
     for (std::size_t i = 0; i < 3; ++i)
-      if (detail::is_zero(q.barycentric[(i + 2) % 3])) return edge_normals_[at(triangle_edges_[at(t)][i])];
+      if (is_zero(q.barycentric[(i + 2) % 3])) return edge_normals_[at(triangle_edges_[at(t)][i])];
     return face_normals_[at(t)];
   }
 
@@ -141,4 +139,4 @@ class SignedDistance {
   int turn_ = 1;
 };
 
-}  // namespace corotet::inline v0_1
+}  // namespace corotet::inline v0_1::detail
