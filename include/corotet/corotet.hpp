@@ -38,6 +38,7 @@
 
 #include <corotet/detail/core/macros_on.hpp>
 
+#include <corotet/attachment.hpp>
 #include <corotet/contact.hpp>
 #include <corotet/executor.hpp>
 #include <corotet/integrators.hpp>

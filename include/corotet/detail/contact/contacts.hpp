@@ -475,7 +475,7 @@ void Contacts<Scalar>::end_step(const TermState<Scalar>& end) {
     if (slides) ++report_.sliding;
     report_.normal_force += force;
     const Vec3<double> impulse = eta * contact.given;
-    set_.obstacles()[contact.obstacle].add_load({-impulse, -contact.arm.cross(impulse)});
+    if (contact.free_body < 0) set_.obstacles()[contact.obstacle].add_load({-impulse, -contact.arm.cross(impulse)});
     touches_.push_back({contact.point, contact.obstacle, contact.start, contact.normal, impulse, slides});
   }
   // The body's moment is that of the impulse where its point ends, about its centre of mass there.

@@ -133,9 +133,7 @@ class FreeObstacles {
       if (contact.free_body >= 0)
         all_[at(contact.free_body)].sum -= jacobian(arm_of(contact)).transpose() * contact.given;
     for (const Body& body : all_) {
-      Obstacle& obstacle = obstacles[body.obstacle];
-      obstacle.velocity += eta_ / obstacle.mass() * body.sum.head<3>();
-      obstacle.angular_velocity += eta_ * (obstacle.inertia().inverse() * body.sum.tail<3>());
+      obstacles[body.obstacle].take({eta_ * body.sum.head<3>(), eta_ * body.sum.tail<3>()});
     }
   }
 

@@ -90,6 +90,24 @@ class Obstacle {
   /// What bodies have done to it in the last step.
   [[nodiscard]] const ObstacleLoad& load() const { return load_; }
 
+  /// The change of velocity of a free obstacle at a point by a unit impulse there, 1/kg; `arm`: from its centre of
+  /// mass, in the world, m.
+  [[nodiscard]] Mat3<double> mobility(const Vec3<double>& arm) const {
+    Mat3<double> cross = Mat3<double>::Zero();  // cross * v = arm x v
+    for (int i = 0; i < 3; ++i) {
+      cross((i + 1) % 3, (i + 2) % 3) = -arm[i];
+      cross((i + 2) % 3, (i + 1) % 3) = arm[i];
+    }
+    return Mat3<double>::Identity() / mass_ - cross * inertia().inverse() * cross;
+  }
+  /// Adds a load of this step, which changes the velocities of a free obstacle.
+  void take(const ObstacleLoad& load) {
+    add_load(load);
+    if (!is_free()) return;
+    velocity += load.impulse / mass_;
+    angular_velocity += inertia().inverse() * load.angular_impulse;
+  }
+
   /// For Contacts: another load of this step.
   void add_load(const ObstacleLoad& more) {
     load_.impulse += more.impulse;
