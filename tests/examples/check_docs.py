@@ -62,7 +62,7 @@ for page in pages:
         if len(parts) != 3 or unindented(parts[1]) != unindented(listing):
             faults.append(f"{page.relative_to(root)}: the listing {name} {region} differs from docs/snippets/{name}")
 
-WITH_EXAMPLE = """SubsteppingIntegrator AutoSolver Bdf2 BodyModel EmbeddedSurface ExecutorRef ImplicitEuler Integrator Materials PinReactions
+WITH_EXAMPLE = """Attachment SubsteppingIntegrator AutoSolver Bdf2 BodyModel Contacts ContactPoints EmbeddedSurface ExecutorRef ImplicitEuler Integrator Materials Obstacles PinReactions
 PointLocator Result SoftBody SolverOptions StepTerm TetMesh ThreadPool element_measures read_mesh save_snapshot solve_static
 write_vtu""".split()
 comment = re.compile(r"((?:^ *///.*\n)+)(?:^(?:template|  requires|\[\[nodiscard\]\] *$).*\n)*^.*?\b(\w+)(?: (?:final )?[:{]|;|\()", re.MULTILINE)

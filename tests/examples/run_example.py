@@ -45,6 +45,14 @@ def hello(program, _):
     near(float(moved["30"]), -0.829, 0.01, "the displacement after half a second")
 
 
+def contact(program, folder):
+    text = run(program, folder, "240")
+    height = float(re.search(r"the crate lies at z = (-?[\d.]+) m", text)[1])
+    expect(0.25 < height < 0.35, f"the crate to lie on the cushion, got {height}")
+    for name in ("contact.html", "contact.svg"):
+        expect((Path(folder) / name).stat().st_size > 10000, name)
+
+
 def linear_vs_corotated(program, folder):
     by_rotation, by_load = tables(run(program, folder))
     rows = by_rotation

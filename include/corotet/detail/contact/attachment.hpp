@@ -29,7 +29,7 @@ struct AttachmentOptions {
 /// exactly use pins.
 /// @snippet contact.cpp attachment
 /// The target is a point in the world, which may move, or a point of an obstacle. The reaction on a free obstacle moves
-/// it: the spring gives way as that will (docs/theory.md, equation 26). Several ties to one free obstacle share its
+/// it: the spring gives way as that will (docs/theory.md, equation 22). Several ties to one free obstacle share its
 /// mass. Another body is pulled by a `counterpart`, with the opposite force.
 template <std::floating_point Scalar>
 class Attachment final : public StepTerm<Scalar> {

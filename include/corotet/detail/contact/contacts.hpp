@@ -59,8 +59,8 @@ struct Touch {
 /// without sinking in, stick without creeping, and are stopped at any speed. The free obstacles among them are solved
 /// for with the body, at any ratio of masses.
 /// @snippet contact.cpp contact
-/// The method: implicit springs that carry multipliers (see detail::PointContact), whose stiffness follows from the
-/// body's matrix and mass, and semismooth Newton passes over the active set (see PiecewiseTerm). A step at rest or in
+/// The method: implicit springs that carry multipliers, whose stiffness follows from the body's matrix and mass, and
+/// semismooth Newton passes over their phases: docs/theory.md, equations 18 to 21. A step at rest or in
 /// steady sliding takes one linear solve.
 ///
 /// Points of the body are tested against obstacles: edges of an obstacle that are thinner than the distance of two
