@@ -58,8 +58,9 @@ struct ContactQuery {
       surface = obstacle.distance(query.start + way * direction);
       surface.distance -= query.margin;
     }
-    if (surface.distance > query.near_distance) {
-      slack = (std::min)(slack, touching * query.near_distance);
+    // Samples may end before a path that grazes the surface does: then the plane at the last one is the contact.
+    if (surface.distance > query.near_distance && !(way < reach)) {
+      slack = (std::min)(slack, touching / 2 * query.near_distance);  // between samples, half the distance there
       return std::nullopt;
     }
     contact.reference += way * direction;

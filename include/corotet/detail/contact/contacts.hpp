@@ -266,13 +266,17 @@ void Contacts<Scalar>::choose_springs(const PassSystem<Scalar>& system) {
 template <std::floating_point Scalar>
 void Contacts<Scalar>::choose_spring(Contact& contact, const PassSystem<Scalar>& system) {
   const Vec3<double> normal = in_frame(contact.normal);
+  const BlockPattern& pattern = system.matrix.pattern();
   double along = 0, across = 0;  // compliance of the diagonal, 1/kg
   for_carriers(contact, [&](Index v, double weight) {
-    const Mat3<double> inverse =
-        system.matrix.diagonal(static_cast<Index>(linearized_.index(v))).template cast<double>().inverse();
+    const auto row = static_cast<Index>(linearized_.index(v));
+    const Mat3<double> inverse = system.matrix.diagonal(row).template cast<double>().inverse();
     const double share = weight * weight * (std::max)(1.0, share_[at(v)]), here = normal.dot(inverse * normal);
-    along += share * here;
-    across += share * (inverse.trace() - here) / 2;
+    // The mass alone has this one. A consistent tangent that is indefinite may have a larger one, or none.
+    const double most = 1 / double(linearized_.mass->factor(pattern, row, pattern.diagonal[at(row)]));
+    const auto bounded = [most](double compliance) { return compliance > 0 ? (std::min)(compliance, most) : most; };
+    along += share * bounded(here);
+    across += share * bounded((inverse.trace() - here) / 2);
   });
   double mass = linearized_.mass->total();
   if (const double other = set_.obstacle_of(contact).mass(); other > 0) mass = 1 / (1 / mass + 1 / other);
