@@ -3,5 +3,6 @@
 #pragma once
 
 #include <corotet/detail/terms/body_terms.hpp>
+#include <corotet/detail/terms/piecewise_term.hpp>
 #include <corotet/detail/terms/step_term.hpp>
 #include <corotet/detail/terms/term_state.hpp>

@@ -22,9 +22,9 @@ class ModelledBody : public ::testing::Test {
   using Body = SoftBody<Real, typename K::Element>;
   static constexpr Real h = Real(1) / 60;
 
-  static Body bar() {
+  static Body bar(const BodyOptions& options = {}) {
     return must(Body::create(testing::block<Real, typename K::Element>({.size = {1, 0.2, 0.2}, .cells = {5, 1, 1}}),
-                             Material{.young = 2e5, .poisson = 0.3, .density = 1000}));
+                             Material{.young = 2e5, .poisson = 0.3, .density = 1000}, options));
   }
 };
 TYPED_TEST_SUITE(ModelledBody, testing::AllCases);
@@ -61,6 +61,45 @@ TYPED_TEST(ModelledBody, TellsItsMemory) {
   EXPECT_TRUE(near_to(integrator.memory().owned, bytes)) << integrator.memory().owned << " of " << bytes;
   EXPECT_LT(body.memory().owned, std::size_t(60 + 4 * 3 * sizeof(Scalar)) * std::size_t(body.vertex_count()));
   EXPECT_GT(body.memory().shared, body.memory().owned);
+}
+
+/// What each step computes anew is not copied, and not missed: a copy goes on bit for bit, and allocates nothing.
+TYPED_TEST(ModelledBody, CopiesGoOnBitForBit) {
+  using Body = typename TestFixture::Body;
+  Body first = this->bar({.damping = {.mass = 0.5, .stiffness = 1e-3}});
+  first.set_gravity({0, 0, -9});
+  first.pin_where([](const auto& x) { return x.x() < 1e-3; });
+  const auto expect_same = [&](auto original, Body body) {
+    for (int i = 0; i < 4; ++i) original.step(body, this->h);
+    auto copy = original;
+    Body of_copy = body;
+    for (int i = 0; i < 4; ++i) {
+      original.step(body, this->h);
+      const long before = testing::allocation_count;
+      copy.step(of_copy, this->h);
+      EXPECT_EQ(testing::allocation_count, before);
+      ASSERT_EQ(body.displacements(), of_copy.displacements()) << i;
+      ASSERT_EQ(body.velocities(), of_copy.velocities()) << i;
+    }
+  };
+  expect_same(ImplicitEuler(first, testing::solver()), first);
+  expect_same(Bdf2(first, testing::solver()), first);
+  expect_same(ImplicitEuler(first, testing::solver(), {.iterations = 4, .tangent = Tangent::consistent}), first);
+}
+
+/// Bytes that an integrator owns, at most, in float.
+TEST(IntegratorMemory, StaysInItsBudget) {
+  const auto expect_budget = [](auto&& mesh, Index elements, std::size_t bytes) {
+    ASSERT_EQ(mesh.element_count(), elements);
+    using Mesh = std::remove_cvref_t<decltype(mesh)>;
+    const auto body = must(SoftBody<float, typename Mesh::element_type>::create(
+        mesh, Material{.young = 2e5, .poisson = 0.3, .density = 1000}));
+    const ImplicitEuler integrator(body);
+    EXPECT_LE(integrator.memory().owned, bytes) << elements << " elements";
+  };
+  expect_budget(testing::block<float, Tet4>({.size = {0.5, 0.3, 0.3}, .cells = {5, 3, 3}}), 225, 139'000);
+  expect_budget(testing::block<float, Tet10>({.size = {1, 0.1, 0.1}, .cells = {10, 1, 1}}), 50, 339'500);
+  expect_budget(testing::block<float, Tet4>({.size = {2, 0.8, 0.8}, .cells = {20, 8, 8}}), 6400, 5'450'000);
 }
 
 /// A body made of a shared model is that model's body at rest.

@@ -1,6 +1,7 @@
 // The matrix of a body: small square blocks in compressed rows on a fixed pattern.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <corotet/detail/assembly/block_pattern.hpp>
 #include <corotet/detail/core/buffer.hpp>
@@ -140,6 +141,16 @@ class BlockMatrix {
   /// Of the values; the pattern is shared.
   [[nodiscard]] std::size_t bytes() const { return detail::bytes_of(value_); }
 
+ protected:
+  /// A matrix on the same pattern, with any values.
+  [[nodiscard]] BlockMatrix without_values() const {
+    BlockMatrix other;
+    other.pattern_ = pattern_;
+    other.value_ = value_.without_values();
+    if (!other.value_.empty()) std::fill(other.value_.end() - padding, other.value_.end(), Scalar(0));
+    return other;
+  }
+
  private:
   static constexpr std::size_t block_size = std::size_t{B} * B;
   static constexpr std::size_t padding = 4;
@@ -147,5 +158,26 @@ class BlockMatrix {
   std::shared_ptr<const BlockPattern> pattern_;
   detail::Buffer<Scalar> value_;
 };
+
+namespace detail {
+
+/// A matrix whose values mean nothing between two calls of its owner: copies have the pattern and any values. See
+/// Scratch.
+template <std::floating_point Scalar>
+class ScratchMatrix : public BlockMatrix<Scalar> {
+ public:
+  ScratchMatrix() = default;
+  explicit ScratchMatrix(std::shared_ptr<const BlockPattern> pattern) : BlockMatrix<Scalar>(std::move(pattern)) {}
+  ScratchMatrix(const ScratchMatrix& other) : BlockMatrix<Scalar>(other.without_values()) {}
+  ScratchMatrix(ScratchMatrix&&) noexcept = default;
+  ScratchMatrix& operator=(const ScratchMatrix& other) {
+    if (this != &other) *this = ScratchMatrix(other);
+    return *this;
+  }
+  ScratchMatrix& operator=(ScratchMatrix&&) noexcept = default;
+  ~ScratchMatrix() = default;
+};
+
+}  // namespace detail
 
 }  // namespace corotet::inline v0_1

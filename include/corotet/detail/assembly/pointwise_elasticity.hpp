@@ -48,9 +48,9 @@ class PointwiseElasticity {
   static constexpr bool has_point_states = has_state<Model>;
   static constexpr bool is_conservative = Model::is_conservative;
 
-  /// `materials` must pass Materials::validate for this mesh. `dilatation` must be per_element.
+  /// `materials` must pass Materials::validate for this mesh. `volumetric_strain` must be pointwise.
   COROTET_COLD PointwiseElasticity(const TetMesh<Scalar, Element>& mesh, const Materials& materials,
-                                   VolumetricStrain volumetric_strain = VolumetricStrain::pointwise)
+                                   [[maybe_unused]] VolumetricStrain volumetric_strain = VolumetricStrain::pointwise)
       : elements_(mesh.element_count()),
         batches_(rest_batches(mesh)),
         constants_(batches_.size()),

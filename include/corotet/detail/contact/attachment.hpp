@@ -34,6 +34,7 @@ struct AttachmentOptions {
 template <std::floating_point Scalar>
 class Attachment final : public StepTerm<Scalar> {
  public:
+  /// Of a point of an element.
   template <ReferenceElement Element>
   COROTET_COLD explicit Attachment(const BodyPoint<Element>& point, const AttachmentOptions& options = {})
       : options_(options), count_(point.vertices.size()) {
@@ -46,7 +47,9 @@ class Attachment final : public StepTerm<Scalar> {
     }
   }
 
+  /// How it pulls.
   [[nodiscard]] const AttachmentOptions& options() const { return options_; }
+  /// Changes how it pulls: from the next step on.
   void set_options(const AttachmentOptions& options) { options_ = options; }
   bool enabled = true;  ///< false: it does not pull
 
@@ -117,6 +120,7 @@ class Attachment final : public StepTerm<Scalar> {
   /// The opposite pull on another body: a term of that body's step, which comes after this one's.
   class Counterpart final : public StepTerm<Scalar> {
    public:
+    /// Of a point of an element; the attachment must outlive it.
     template <ReferenceElement Element>
     COROTET_COLD Counterpart(const Attachment& attachment, const BodyPoint<Element>& point)
         : attachment_(&attachment), point_(point) {}

@@ -30,6 +30,7 @@ struct HalfSpace {
   Vec3<double> normal = {0, 0, 1};  ///< out of the solid; need not have length 1, but not 0
   double offset = 0;                ///< m, along the unit normal
 
+  /// The distance of a point of the frame, m, and the normal there.
   [[nodiscard]] SurfaceDistance operator()(const Vec3<double>& point) const {
     const Vec3<double> n = normal.stableNormalized();
     return {n.dot(point) - offset, n};
@@ -40,6 +41,7 @@ struct HalfSpace {
 struct Sphere {
   double radius;  ///< m, >= 0
 
+  /// The distance of a point of the frame, m, and the normal there.
   [[nodiscard]] SurfaceDistance operator()(const Vec3<double>& point) const {
     const double r = point.norm();
     return {r - radius, r > 0 ? Vec3<double>(point / r) : Vec3<double>::UnitZ()};
@@ -52,6 +54,7 @@ struct Sphere {
 struct OrientedBox {
   Vec3<double> half_extents;  ///< m, >= 0
 
+  /// The distance of a point of the frame, m, and the normal there.
   [[nodiscard]] SurfaceDistance operator()(const Vec3<double>& point) const {
     const Vec3<double> beyond = point.cwiseAbs() - half_extents;
     Vec3<double> normal = beyond.cwiseMax(0.0);
@@ -80,6 +83,7 @@ struct Capsule {
   double radius;       ///< m, >= 0
   double half_height;  ///< of the segment, m, >= 0
 
+  /// The distance of a point of the frame, m, and the normal there.
   [[nodiscard]] SurfaceDistance operator()(const Vec3<double>& point) const {
     const Vec3<double> away(point.x(), point.y(), point.z() - std::clamp(point.z(), -half_height, half_height));
     const double r = away.norm();

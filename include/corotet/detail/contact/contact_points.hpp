@@ -57,6 +57,7 @@ class ContactPoints {
     vertices_ = (std::max)(vertices_, mesh.vertex_count());
   }
 
+  /// Number of points.
   [[nodiscard]] Index size() const { return size_of(end_); }
   /// One more than the largest vertex that carries a point.
   [[nodiscard]] Index vertex_count() const { return vertices_; }
@@ -65,7 +66,9 @@ class ContactPoints {
 
   /// Vertices that carry point p: entries first(p) ... last(p) - 1 of the two functions below.
   [[nodiscard]] Index first(Index p) const { return p == 0 ? 0 : end_[at(p - 1)]; }
+  /// Behind the last entry of a point.
   [[nodiscard]] Index last(Index p) const { return end_[at(p)]; }
+  /// The vertex of an entry.
   [[nodiscard]] Index vertex(Index entry) const { return vertex_[at(entry)]; }
   /// Its share in the point's motion. Shares of a point sum to 1.
   [[nodiscard]] double weight(Index entry) const { return weight_[at(entry)]; }

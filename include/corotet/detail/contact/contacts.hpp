@@ -50,7 +50,7 @@ struct Touch {
   Vec3<double> place;    ///< m, at the start of the step
   Vec3<double> normal;   ///< out of the obstacle
   Vec3<double> impulse;  ///< on the body, N s
-  bool slides;
+  bool slides;           ///< it does not stick
 };
 
 /// Contact of a body with obstacles, with Coulomb friction.
@@ -72,8 +72,10 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
   /// `obstacles` must outlive it.
   COROTET_COLD Contacts(ContactPoints points, Obstacles& obstacles, const ContactOptions& options = {});
 
-  [[nodiscard]] const ContactOptions& options() const { return options_; }
-  [[nodiscard]] const ContactPoints& points() const { return set_.points(); }
+  [[nodiscard]] const ContactOptions& options() const { return options_; }  ///< what it was made with
+  [[nodiscard]] const ContactPoints& points() const {
+    return set_.points();
+  }  ///< the points of the body that may touch
   /// Of the last step.
   [[nodiscard]] const ContactReport& report() const { return report_; }
   /// Those with a force, in the order of obstacles, then of points.
@@ -106,7 +108,7 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
                         Field<Scalar>& impulse) const override;
   void move(const Field<Scalar>& change) override;
   [[nodiscard]] const MatrixFreeTerm<Scalar>* coupling() const override { return free_.empty() ? nullptr : this; }
-  [[nodiscard]] int max_passes() const override { return options_.passes; }
+  [[nodiscard]] int max_passes() const override { return options_.passes; }  ///< see PiecewiseTerm
   [[nodiscard]] bool was_busy() const override { return was_busy_; }
   void end_passes(int passes, bool settled) override {
     report_.passes = passes;

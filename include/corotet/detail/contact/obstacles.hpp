@@ -20,7 +20,7 @@ struct Pose {
 
 /// How an obstacle is, moves and rubs.
 struct ObstacleOptions {
-  Pose pose = {};
+  Pose pose = {};                                        ///< where it is
   Vec3<double> velocity = Vec3<double>::Zero();          ///< of the origin of its frame, m/s
   Vec3<double> angular_velocity = Vec3<double>::Zero();  ///< in the world, rad/s
   /// Coefficient of Coulomb friction >= 0 against every body; negative: that of the body's ContactOptions.
@@ -40,6 +40,7 @@ struct ObstacleLoad {
 /// An obstacle as it is now.
 class Obstacle {
  public:
+  /// For Obstacles::add.
   template <Collider Shape>
   COROTET_COLD Obstacle(Shape shape, const ObstacleOptions& options)
       : velocity(options.velocity),
@@ -62,12 +63,15 @@ class Obstacle {
   double friction;                             ///< see ObstacleOptions
   bool enabled = true;                         ///< false: nothing touches it
 
+  /// Where it is, in the world.
   [[nodiscard]] const Pose& pose() const { return pose_; }
+  /// Puts it elsewhere at once; its velocities stay.
   void set_pose(const Pose& pose) {
     pose_ = {pose.position, pose.rotation.normalized()};
     rotation_ = rotation_of(pose_.rotation);
   }
 
+  /// Whether it moves freely.
   [[nodiscard]] bool is_free() const { return mass_ > 0; }
   /// kg, 0 if it is led.
   [[nodiscard]] double mass() const { return mass_; }
@@ -85,6 +89,7 @@ class Obstacle {
   }
   /// A direction of its frame in the world, and back.
   [[nodiscard]] Vec3<double> to_world(const Vec3<double>& direction) const { return rotation_ * direction; }
+  /// A direction in the world in its frame.
   [[nodiscard]] Vec3<double> to_frame(const Vec3<double>& direction) const { return rotation_.transpose() * direction; }
 
   /// What bodies have done to it in the last step.
@@ -123,6 +128,7 @@ class Obstacle {
     velocity += h * (gravity + force / mass_);
     angular_velocity += h * (inertia().inverse() * torque);
   }
+  /// For Contacts, at the end of the step of each body.
   void end_step() { begun_ = false; }
 
   /// To where its velocities take it in h seconds. A free one keeps its angular momentum.
@@ -173,8 +179,11 @@ class Obstacles {
     return size_of(all_) - 1;
   }
 
+  /// Number of obstacles.
   [[nodiscard]] Index size() const { return size_of(all_); }
+  /// The obstacle of a number that `add` returned.
   [[nodiscard]] Obstacle& operator[](Index i) { return all_[at(i)]; }
+  /// The same, read-only.
   [[nodiscard]] const Obstacle& operator[](Index i) const { return all_[at(i)]; }
 
   /// Gives a led obstacle the velocities with which it is at `target` after h seconds, by the shorter turn.

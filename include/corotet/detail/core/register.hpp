@@ -29,6 +29,11 @@ class SimdVec {
     std::memcpy(&r.pack_, p, sizeof(r.pack_));
     return r;
   }
+  /// N numbers of another precision.
+  template <std::floating_point From>
+  [[nodiscard]] COROTET_ALWAYS_INLINE static SimdVec load_converted(const From* p) {
+    return SimdVec(detail::load_converted<Pack, Scalar>(p));
+  }
   /// `count` numbers, and zeros: reads nothing behind them.
   template <int count>
   [[nodiscard]] COROTET_ALWAYS_INLINE static SimdVec load_part(const Scalar* p) {

@@ -107,6 +107,25 @@ template <class V>
 V first_three(const V& v);
 #endif
 
+/// The numbers at `from`, which are of another precision.
+template <class P, class T, class From>
+[[nodiscard]] COROTET_ALWAYS_INLINE P load_converted(const From* from) {
+  constexpr std::size_t count = sizeof(P) / sizeof(T);
+  if constexpr (Whole<P>) {
+#if defined(__GNUC__)
+    typedef From Source __attribute__((vector_size(count * sizeof(From))));  // NOLINT(modernize-use-using): as above
+    Source numbers;
+    __builtin_memcpy(&numbers, from, sizeof(numbers));
+    return P(__builtin_convertvector(numbers, typename P::Native));
+#else
+    return P(static_cast<T>(*from));
+#endif
+  } else {
+    using Half = decltype(P::low);
+    return P(load_converted<Half, T>(from), load_converted<Half, T>(from + count / 2));
+  }
+}
+
 /// f on each register of the arguments, for results of the same type as the first.
 template <class Result, class Function, class P, class... Q>
 [[nodiscard]] COROTET_ALWAYS_INLINE Result map(const Function& f, const P& p, const Q&... q) {

@@ -291,8 +291,8 @@ class LinearizedStep {
   }
 
   typename Body::Law::Evaluation evaluation_;
-  BlockMatrix<Scalar> matrix_;
-  std::optional<BlockMatrix<Scalar>> damping_;  // K' of D, where A alone does not do
+  ScratchMatrix<Scalar> matrix_;
+  std::optional<ScratchMatrix<Scalar>> damping_;  // K' of D, where A alone does not do
   Field<Scalar> right_side_;
   TermSum<Scalar> terms_;
   DeterministicReduction<2> sums_;

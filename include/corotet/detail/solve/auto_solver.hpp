@@ -135,8 +135,8 @@ class AutoSolver {
 
   // The factor of a larger body takes many times the memory of its matrix, and rarely pays.
   static constexpr Index max_vertices_of_a_small_body = 2000;
-  // Memory of the factor as it is made, to that of the matrix: more is not reserved for a choice that may never be
-  // made, and a factor of so many blocks seldom pays.
+  // Size of the factor in double, to that of the matrix: more is not reserved for a choice that may never be made, and
+  // a factor of so many blocks seldom pays.
   static constexpr double max_factor_memory = 2.5;
 
   Options options_;

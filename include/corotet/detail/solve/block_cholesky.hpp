@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <corotet/detail/assembly/block_matrix.hpp>
 #include <corotet/detail/core/buffer.hpp>
 #include <corotet/detail/core/compiler.hpp>
@@ -10,6 +11,8 @@
 #include <corotet/detail/core/shared.hpp>
 #include <corotet/detail/core/state_archive.hpp>
 #include <corotet/detail/core/types.hpp>
+#include <corotet/detail/solve/block_substitution.hpp>
+#include <corotet/detail/solve/compensated_column.hpp>
 #include <corotet/detail/solve/small_cholesky.hpp>
 #include <corotet/detail/solve/symbolic_factor.hpp>
 #include <cstddef>
@@ -21,15 +24,22 @@ namespace corotet::inline v0_1 {
 
 /// A = P^T L L^T P with a fill-reducing permutation of the vertices (MinimumDegree). L is made in double and kept in
 /// Scalar: the factor of a stiff body needs double, and one that was rounded afterwards is still symmetric and positive
-/// definite, with half the memory to read. It is rounded in place: the numbers of L are the only memory of any size
-/// that a copy owns; its pattern is shared. Nothing allocates but `analyze`. Left-looking by columns, after Davis 2006,
-/// "Direct Methods for Sparse Linear Systems", section 4.8.
+/// definite, with half the memory to read. The numbers of L are the only memory of any size that a copy owns; its
+/// pattern is shared. Nothing allocates but `analyze`. Left-looking by columns, after Davis 2006, "Direct Methods for
+/// Sparse Linear Systems", section 4.8.
 ///
-/// `begin`, the values of A by `entry`, `factorize`, then any number of `solve`.
-template <std::floating_point Scalar, int B = 3>
+/// While L is made it is kept in `Working`. If that is double: `begin`, the values of A by `entry`, `factorize`, then
+/// any number of `solve`; L is rounded in place. If it is float, as Scalar: `factorize(pattern, entry)`, which takes
+/// half the memory, twice the time, and gives the same factor (detail::CompensatedColumn).
+template <std::floating_point Scalar, int B = 3, std::floating_point Working = double>
 class BlockCholesky {
+  static constexpr bool in_place = std::same_as<Working, double>;
+  static_assert(in_place || (B == 3 && std::same_as<Working, Scalar>));
+
  public:
   using Block = Matrix<double, B, B>;  ///< of the matrix, in double
+  /// Of a segment: B numbers and zeros.
+  static constexpr std::size_t width = detail::BlockSubstitution<Scalar, B>::width;
 
   BlockCholesky() = default;
   /// Copies share the symbolic part.
@@ -38,6 +48,7 @@ class BlockCholesky {
         value_(other.copy_of_values()),
         segment_(other.segment_),
         index_(other.index_),
+        column_(other.column_),
         has_factor_(other.has_factor_) {}
   BlockCholesky(BlockCholesky&&) noexcept = default;
   /// Copies share the symbolic part.
@@ -57,7 +68,8 @@ class BlockCholesky {
     *this = {};
     symbolic_ = std::move(symbolic);
     if (!symbolic_->fits()) return;
-    value_ = detail::Buffer<double>(block_size * symbolic_->blocks + padding);
+    value_ = detail::Buffer<Working>(block_size * symbolic_->blocks + padding);
+    if (!in_place) column_ = detail::CompensatedColumn<Scalar>(symbolic_->max_column());
     segment_ = detail::Scratch<Scalar>(at(rows()) * width);
     index_ = detail::Scratch<Index>(std::size_t{4} * at(rows()));
   }
@@ -74,7 +86,9 @@ class BlockCholesky {
   [[nodiscard]] double factor_flops() const { return 1.0 * B * B * B * symbolic_->squares; }
 
   /// Sets A to zero, and forgets the factor.
-  void begin() {
+  void begin()
+    requires(in_place)
+  {
     has_factor_ = false;
     std::memset(value_.data(), 0, value_.size() * sizeof(double));
   }
@@ -83,10 +97,16 @@ class BlockCholesky {
   [[nodiscard]] bool takes(Index slot) const { return symbolic_->position[at(slot)] >= 0; }
 
   /// That block. Between `begin` and `factorize`; different slots by different threads at the same time, if need be.
-  [[nodiscard]] detail::MatrixView<double, B, B> entry(Index slot) { return block(symbolic_->position[at(slot)]); }
+  [[nodiscard]] detail::MatrixView<double, B, B> entry(Index slot)
+    requires(in_place)
+  {
+    return block(symbolic_->position[at(slot)]);
+  }
 
   /// False if a pivot is not positive definite to rounding: then there is no factor.
-  bool factorize() {
+  bool factorize()
+    requires(in_place)
+  {
     const Index n = rows();
     Index *const first = index_.data(), *const next = first + n, *const done = next + n, *const place = done + n;
     for (Index k = 0; k < n; ++k) first[k] = -1;
@@ -119,11 +139,45 @@ class BlockCholesky {
 
   /// The factor of a matrix on the pattern that was analysed.
   template <std::floating_point Other>
+    requires(in_place)
   bool factorize(const BlockMatrix<Other, B>& matrix) {
     begin();
     for (Index k = 0; k < matrix.pattern().blocks(); ++k)
       if (takes(k)) entry(k) = matrix.block(k).template cast<double>();
     return factorize();
+  }
+
+  /// The factor of a symmetric matrix on the pattern that was analysed; `entry(i, slot)` returns its block in slot
+  /// `slot` of row i, in double.
+  template <std::invocable<Index, Index> Entry>
+    requires(!in_place)
+  bool factorize(const BlockPattern& pattern, const Entry& entry) {
+    has_factor_ = false;
+    std::memset(value_.data(), 0, value_.size() * sizeof(Working));
+    const Index n = rows();
+    const Index* const row = symbolic_->row.data();
+    Index *const first = index_.data(), *const next = first + n, *const done = next + n, *const place = done + n;
+    for (Index k = 0; k < n; ++k) first[k] = -1;
+    for (Index k = 0; k < n; ++k) {
+      const Index begin = start(k), count = start(k + 1) - begin, i = symbolic_->order[at(k)];
+      Scalar* const own = value_.data() + block_size * at(begin);
+      for (Index p = 0; p < count; ++p) place[row[begin + p]] = p;
+      column_.begin(own, at(count));
+      for (Index slot = pattern.row_start[at(i)]; slot < pattern.row_start[at(i) + 1]; ++slot)
+        if (const Index j = symbolic_->place[at(pattern.column[at(slot)])]; j >= k)
+          column_.add(place[j], entry(i, slot).transpose());
+      for (Index j = first[k]; j >= 0;) {
+        const Index from = done[j], following = next[j];
+        column_.subtract(values(from), row + from, start(j + 1) - from, place);
+        wait(j, from + 1, first, next, done);
+        j = following;
+      }
+      if (!column_.finish(at(count), own)) return false;
+      column_.compensate(own, row + begin, at(count), *symbolic_, value_.data());
+      wait(k, begin + 1, first, next, done);
+    }
+    has_factor_ = true;
+    return true;
   }
 
   /// Whether the last factorisation succeeded.
@@ -150,13 +204,7 @@ class BlockCholesky {
   /// the solution, with any numbers behind it.
   [[nodiscard]] Scalar* segment(Index k) { return segment_.data() + at(k) * width; }
   /// Solves with the right side that the segments hold, which then hold the solution.
-  void solve_segments() {
-    const Index n = rows();
-    for (Index j = 0; j < n; ++j) eliminate(j);
-    for (Index j = n - 1; j >= 0; --j) substitute(j);
-  }
-
-  static constexpr std::size_t width = B <= 4 ? 4 : 8;  ///< of a segment
+  void solve_segments() { Substitution{*symbolic_, values(0), segment_.data()}.solve(); }
 
   /// The factor, if there is one.
   COROTET_COLD void visit_state(detail::StateArchive& archive) {
@@ -166,17 +214,17 @@ class BlockCholesky {
 
   /// Bytes of its own, and those that copies share.
   [[nodiscard]] MemoryUse memory() const {
-    return {detail::bytes_of(value_) + detail::bytes_of(segment_) + detail::bytes_of(index_),
+    return {detail::bytes_of(value_) + detail::bytes_of(segment_) + detail::bytes_of(index_) + column_.bytes(),
             symbolic_ ? symbolic_->bytes() : 0};
   }
 
  private:
   static constexpr std::size_t block_size = std::size_t{B} * B;
   static constexpr std::size_t padding = width;  // numbers that are read behind the last block
-  using Segment = detail::SimdVec<Scalar, int{width}>;
+  using Substitution = detail::BlockSubstitution<Scalar, B>;
 
-  [[nodiscard]] detail::Buffer<double> copy_of_values() const {
-    detail::Buffer<double> copy = value_.without_values();
+  [[nodiscard]] detail::Buffer<Working> copy_of_values() const {
+    detail::Buffer<Working> copy = value_.without_values();
     if (has_factor_) std::memcpy(copy.data(), value_.data(), value_.size() * sizeof(Scalar));
     return copy;
   }
@@ -253,61 +301,11 @@ class BlockCholesky {
     return reinterpret_cast<const Scalar*>(value_.data()) + block_size * at(p);
   }
 
-  /// The block at `a` times y.
-  [[nodiscard]] COROTET_ALWAYS_INLINE static Segment product(const Scalar* a, const std::array<Scalar, width>& y) {
-    Segment even(Scalar(0)), odd(Scalar(0));
-    COROTET_UNROLL
-    for (std::size_t c = 0; c < std::size_t{B}; ++c)
-      (c % 2 == 0 ? even : odd) += Segment::load(a + B * c) * Segment(y[c]);
-    return even + odd;
-  }
-
-  /// Forward: y_j = L_jj^-1 y_j, then y_i -= L_ij y_j below.
-  void eliminate(Index j) {
-    std::array<Scalar, width> y;
-    Segment::load(segment(j)).store(y.data());
-    const Segment done = product(values(start(j)), y);
-    done.store(y.data());
-    done.store(segment(j));
-    for (Index p = start(j) + 1; p < start(j + 1); ++p) {
-      Scalar* target = segment(symbolic_->row[at(p)]);
-      (Segment::load(target) - product(values(p), y)).store(target);
-    }
-  }
-
-  /// Backward: y_j = L_jj^-T (y_j - sum over i of L_ij^T y_i).
-  void substitute(Index j) {
-    std::array<Segment, std::size_t{B}> sum;
-    sum.fill(Segment(Scalar(0)));
-    for (Index p = start(j) + 1; p < start(j + 1); ++p) add_transposed(p, symbolic_->row[at(p)], sum);
-    Scalar* y = segment(j);
-    COROTET_UNROLL
-    for (std::size_t c = 0; c < std::size_t{B}; ++c) y[c] -= total(sum[c]);
-    sum.fill(Segment(Scalar(0)));
-    add_transposed(start(j), j, sum);
-    COROTET_UNROLL
-    for (std::size_t c = 0; c < std::size_t{B}; ++c) y[c] = total(sum[c]);
-  }
-
-  /// sum_c += column c of block p, times y_i, number by number.
-  COROTET_ALWAYS_INLINE void add_transposed(Index p, Index i, std::array<Segment, std::size_t{B}>& sum) {
-    const Scalar* a = values(p);
-    const Segment y = Segment::load(segment(i));
-    COROTET_UNROLL
-    for (std::size_t c = 0; c < std::size_t{B}; ++c) sum[c] += Segment::load(a + B * c) * y;
-  }
-  [[nodiscard]] COROTET_ALWAYS_INLINE static Scalar total(const Segment& s) {
-    std::array<Scalar, width> part;
-    s.store(part.data());
-    Scalar sum = part[0];
-    for (std::size_t r = 1; r < std::size_t{B}; ++r) sum += part[r];
-    return sum;
-  }
-
   detail::Shared<detail::SymbolicFactor> symbolic_;
-  detail::Buffer<double> value_;
+  detail::Buffer<Working> value_;
   detail::Scratch<Scalar> segment_;
-  detail::Scratch<Index> index_;  // see factorize
+  detail::Scratch<Index> index_;              // see factorize
+  detail::CompensatedColumn<Scalar> column_;  // empty where L is made in place
   bool has_factor_ = false;
 };
 

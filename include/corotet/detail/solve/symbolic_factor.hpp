@@ -1,6 +1,7 @@
 // The part of a sparse Cholesky factorisation that follows from the pattern of the matrix alone.
 #pragma once
 
+#include <algorithm>
 #include <corotet/detail/assembly/block_pattern.hpp>
 #include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/memory_use.hpp>
@@ -38,6 +39,14 @@ struct SymbolicFactor {
 
   /// True if the factor can be indexed; otherwise `row` and `position` are empty.
   [[nodiscard]] bool fits() const { return blocks <= std::size_t{(std::numeric_limits<Index>::max)()}; }
+
+  /// Blocks of the longest column.
+  [[nodiscard]] std::size_t max_column() const {
+    Index most = 0;
+    for (std::size_t k = 1; k < column_start.size(); ++k)
+      most = (std::max)(most, column_start[k] - column_start[k - 1]);
+    return at(most);
+  }
 
   [[nodiscard]] std::size_t bytes() const {
     return bytes_of(order) + bytes_of(place) + bytes_of(column_start) + bytes_of(row) + bytes_of(position);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <corotet/detail/assembly/block_matrix.hpp>
 #include <corotet/detail/core/buffer.hpp>
 #include <corotet/detail/core/compiler.hpp>
@@ -109,22 +110,26 @@ class WarpedCholesky {
   }
 
   /// The factor of the matrix, turned back, with `shift` times its diagonal more.
-  COROTET_COLD bool factorize(const BlockMatrix<Scalar>& matrix, double shift, ExecutorRef executor) {
+  COROTET_COLD bool factorize(const BlockMatrix<Scalar>& matrix, double shift, [[maybe_unused]] ExecutorRef executor) {
     const BlockPattern& p = *pattern_;
-    cholesky_.begin();
-    for_ranges(executor, p.rows(), DeterministicSum::grain, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i) {
-        const Mat3<Scalar> back = rotation_[at(i)].transpose();
-        for (Index k = p.row_start[at(i)]; k < p.row_start[at(i) + 1]; ++k) {
-          if (!cholesky_.takes(k)) continue;
-          const auto to = cholesky_.entry(k);
-          to = (back * matrix.block(k) * rotation_[at(p.column[at(k)])]).template cast<double>();
-          if (k == p.diagonal[at(i)])
-            for (int c = 0; c < 3; ++c) to(c, c) *= 1 + shift;
-        }
-      }
-    });
-    return cholesky_.factorize();
+    const auto turned_back = [&](Index i, Index slot) {
+      const Mat3<Scalar> back = rotation_[at(i)].transpose();
+      auto block = (back * matrix.block(slot) * rotation_[at(p.column[at(slot)])]).template cast<double>();
+      if (slot == p.diagonal[at(i)])
+        for (int c = 0; c < 3; ++c) block(c, c) *= 1 + shift;
+      return block;
+    };
+    if constexpr (std::same_as<Scalar, double>) {
+      cholesky_.begin();
+      for_ranges(executor, p.rows(), DeterministicSum::grain, [&](Index begin, Index end) {
+        for (Index i = begin; i < end; ++i)
+          for (Index k = p.row_start[at(i)]; k < p.row_start[at(i) + 1]; ++k)
+            if (cholesky_.takes(k)) cholesky_.entry(k) = turned_back(i, k);
+      });
+      return cholesky_.factorize();
+    } else {
+      return cholesky_.factorize(p, turned_back);
+    }
   }
 
   /// The rotation of each vertex: that of the edges to its neighbours.
@@ -157,12 +162,11 @@ class WarpedCholesky {
     rotations_of_moments(rotation_, executor);
   }
 
-  static_assert(BlockCholesky<Scalar>::width == 4);
-
   std::shared_ptr<const BlockPattern> pattern_;
   detail::Shared<PaddedField<Scalar>> rest_;  // m
   detail::Scratch<Mat3<Scalar>> rotation_;    // of each vertex, as `update` found it
-  BlockCholesky<Scalar> cholesky_;
+  BlockCholesky<Scalar, 3, Scalar> cholesky_;
+  static_assert(decltype(cholesky_)::width == 4);
   RefactorizationPolicy policy_;
   DeterministicSum sum_;
 };

@@ -29,8 +29,8 @@ class PassSystem {
   Field<Scalar>& change;           ///< d, m/s: of the last solve
   /// Velocities that are added to the change, m/s, where forces are linearised at velocity zero; else null.
   const Field<Scalar>* guess;
-  /// For the driver of the passes.
-  Field<Scalar>&from, &product;
+  Field<Scalar>& from;     ///< for the driver of the passes
+  Field<Scalar>& product;  ///< for the driver of the passes
 
   /// Solves the system, to `looseness` >= 1 times the solver's tolerance. `coupling` adds to A.
   [[nodiscard]] virtual SolveReport solve(double looseness, const MatrixFreeTerm<Scalar>* coupling) = 0;
@@ -38,6 +38,7 @@ class PassSystem {
   virtual void eliminate_pinned_rows() = 0;
 
  protected:
+  /// Refers to the parts of a step.
   PassSystem(const TermState<Scalar>& at, BlockMatrix<Scalar>& a, Field<Scalar>& r, Field<Scalar>& d,
              const Field<Scalar>* more, Field<Scalar>& scratch, Field<Scalar>& other_scratch)
       : state(at), matrix(a), right_side(r), change(d), guess(more), from(scratch), product(other_scratch) {}
@@ -87,6 +88,7 @@ class PiecewiseTerm : public StepTerm<Scalar> {
 
   /// Part of A that lies outside its pattern, or null.
   [[nodiscard]] virtual const MatrixFreeTerm<Scalar>* coupling() const { return nullptr; }
+  /// How many passes a step makes at most.
   [[nodiscard]] virtual int max_passes() const = 0;
   /// Whether the last step took several passes: then the first ones of the next are solved loosely.
   [[nodiscard]] virtual bool was_busy() const = 0;

@@ -76,6 +76,7 @@ struct TermState {
   [[nodiscard]] Vec3<Scalar> to_space(const Vec3<Scalar>& v) const {
     return frame.turns ? Vec3<Scalar>(frame.rotation * v) : v;
   }
+  /// A direction or velocity in space in the frame.
   [[nodiscard]] Vec3<Scalar> to_frame(const Vec3<Scalar>& v) const {
     return frame.turns ? Vec3<Scalar>(frame.rotation.transpose() * v) : v;
   }
