@@ -3,6 +3,7 @@
 #pragma once
 
 #include <corotet/detail/contact/collider.hpp>
+#include <corotet/detail/contact/contact_options.hpp>
 #include <corotet/detail/contact/contact_points.hpp>
 #include <corotet/detail/contact/contacts.hpp>
 #include <corotet/detail/contact/obstacles.hpp>

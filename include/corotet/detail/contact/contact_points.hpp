@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <concepts>
 #include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/result.hpp>
@@ -52,6 +53,9 @@ class ContactPoints {
         vertex_.push_back(point.vertices[a]);
         weight_.push_back(point.weights[a]);
       }
+    double sum = 0;
+    for (const double w : point.weights) sum += std::fabs(w);
+    amplification_ = (std::max)(amplification_, sum);
     end_.push_back(size_of(vertex_));
     box_.add(point.interpolate([&](Index v) { return mesh.position(v); }));
     vertices_ = (std::max)(vertices_, mesh.vertex_count());
@@ -63,6 +67,9 @@ class ContactPoints {
   [[nodiscard]] Index vertex_count() const { return vertices_; }
   /// The longest edge of the box around all points at rest, m.
   [[nodiscard]] double extent() const { return size() == 0 ? 0 : (box_.high - box_.low).maxCoeff(); }
+
+  /// The largest sum of a point's weights, without their signs: how many times farther than any vertex a point moves.
+  [[nodiscard]] double amplification() const { return amplification_; }
 
   /// Vertices that carry point p: entries first(p) ... last(p) - 1 of the two functions below.
   [[nodiscard]] Index first(Index p) const { return p == 0 ? 0 : end_[at(p - 1)]; }
@@ -96,6 +103,7 @@ class ContactPoints {
   std::vector<double> weight_;
   Box box_;
   Index vertices_ = 0;
+  double amplification_ = 1;
 };
 
 }  // namespace corotet::inline v0_1

@@ -7,6 +7,7 @@
 #include <corotet/detail/contact/contact_points.hpp>
 #include <corotet/detail/contact/obstacles.hpp>
 #include <corotet/detail/contact/point_contact.hpp>
+#include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/mesh/box_tree.hpp>
 #include <corotet/detail/terms/term_state.hpp>
@@ -35,7 +36,9 @@ class ContactSet {
         capacity_(at(points_.size()) * at((std::max)(options.per_point, Index{1}))),
         start_(at(points_.size())),
         end_(start_),
-        slack_(at(points_.size())) {
+        slack_(at(points_.size())),
+        looked_again_(at(points_.size())),
+        predicted_(at(points_.vertex_count()), Vec3<double>::Zero()) {
     reserve();
   }
 
@@ -70,12 +73,18 @@ class ContactSet {
     contacts_.clear();
     dropped_ = 0;
     h_ = double(start.h);
+    for (std::size_t v = 0; v < predicted_.size(); ++v)
+      if (const auto vertex = static_cast<Index>(v); start.contains(vertex))
+        predicted_[v] =
+            start.position(vertex).template cast<double>() + h_ * start.velocity(vertex).template cast<double>();
     Box around;
     double farthest = 0;
     for (Index p = 0; p < points_.size(); ++p) {
       if (!is_here(p, start)) continue;
       start_[at(p)] = place_of(p, start);
-      end_[at(p)] = start_[at(p)] + h_ * points_.interpolate(p, [&](Index v) { return start.velocity(v); });
+      end_[at(p)] =
+          points_.interpolate(p, [&](Index v) -> const Vec3<double>& { return predicted_[at(v)]; }) + start.origin;
+      looked_again_[at(p)] = false;
       around.add(start_[at(p)]);
       farthest = (std::max)(farthest, (end_[at(p)] - start_[at(p)]).norm());
       slack_[at(p)] = std::numeric_limits<double>::infinity();
@@ -99,14 +108,26 @@ class ContactSet {
     }
   }
 
-  /// Whether a point that ends there, in the world, m, may have leapt over an obstacle that it has no contact with.
-  [[nodiscard]] bool may_have_crossed(Index point, const Vec3<double>& end) const {
-    return (end - end_[at(point)]).norm() > slack_[at(point)];
+  /// Calls visit(point) for each point that may have leapt over an obstacle that it has no contact with;
+  /// `end_of(vertex)` is where a vertex ends, m, relative to the state's origin, and `end_of_point(point)` where a
+  /// point does, in the world.
+  template <std::floating_point Scalar, class EndOf, class EndOfPoint, class Visit>
+  void for_each_suspect(const TermState<Scalar>& state, const EndOf& end_of, const EndOfPoint& end_of_point,
+                        const Visit& visit) const {
+    double farthest2 = 0;  // from where vertices would be by their velocities
+    for (std::size_t v = 0; v < predicted_.size(); ++v)
+      if (const auto vertex = static_cast<Index>(v); state.contains(vertex))
+        farthest2 = (std::max)(farthest2, (end_of(vertex) - predicted_[v]).squaredNorm());
+    const double farthest = points_.amplification() * square_root(farthest2);
+    for (Index p = 0; p < points_.size(); ++p)
+      if (is_here(p, state) && (slack_[at(p)] < farthest || looked_again_[at(p)]))
+        if ((end_of_point(p) - end_[at(p)]).norm() > slack_[at(p)]) visit(p);
   }
   /// Looks at the way to that end. Calls visit(contact) for each contact that it adds.
   template <class Visit>
   void find_crossings(Index point, const Vec3<double>& end, const Visit& visit) {
     end_[at(point)] = end;
+    looked_again_[at(point)] = true;
     slack_[at(point)] = std::numeric_limits<double>::infinity();
     for (Index o = 0; o < obstacles_->size(); ++o) {
       const auto is_known = [&](const PointContact& c) { return c.point == point && c.obstacle == o; };
@@ -187,6 +208,8 @@ class ContactSet {
   std::vector<ContactMemory> memory_, next_memory_;  // by obstacle and point
   std::vector<Vec3<double>> start_, end_;            // of points, in the world, m; end: as guessed
   std::vector<double> slack_;                        // how far from there a point may end and still miss all else, m
+  std::vector<bool> looked_again_;                   // at another end, in this step
+  std::vector<Vec3<double>> predicted_;              // where vertices would be after the step by their velocities, m
   double h_ = 0;
   Index dropped_ = 0;
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <corotet/detail/contact/contact_options.hpp>
 #include <corotet/detail/contact/contact_points.hpp>
 #include <corotet/detail/contact/contact_set.hpp>
 #include <corotet/detail/contact/free_obstacles.hpp>
@@ -21,37 +22,6 @@
 #include <vector>
 
 namespace corotet::inline v0_1 {
-
-/// How a body touches. No stiffness is among them: springs follow from the body's matrix.
-struct ContactOptions {
-  double friction = 0;               ///< coefficient >= 0 against obstacles that have none of their own
-  double margin = 0;                 ///< distance that is kept from obstacles, m
-  int passes = 30;                   ///< >= 1: linear solves in a step at most
-  double max_depenetration = 1;      ///< speed at which points that start inside an obstacle are led out, m/s, > 0
-  Index max_contacts_per_point = 4;  ///< in the mean over all points: memory for contacts
-};
-
-/// How contact was in the last step.
-struct ContactReport {
-  Index candidates = 0;     ///< points within reach, once for each obstacle
-  Index touching = 0;       ///< with a force
-  Index sliding = 0;        ///< of these
-  int passes = 0;           ///< linear solves
-  bool settled = true;      ///< none of the contacts would have changed in another pass
-  double deepest = 0;       ///< of any point inside an obstacle at the end, m
-  double normal_force = 0;  ///< sum of all, N
-  Index dropped = 0;        ///< for which there was no memory: see ContactOptions::max_contacts_per_point
-};
-
-/// One contact of the last step, in the world.
-struct Touch {
-  Index point;           ///< of the ContactPoints
-  Index obstacle;        ///< of the Obstacles
-  Vec3<double> place;    ///< m, at the start of the step
-  Vec3<double> normal;   ///< out of the obstacle
-  Vec3<double> impulse;  ///< on the body, N s
-  bool slides;           ///< it does not stick
-};
 
 /// Contact of a body with obstacles, with Coulomb friction.
 ///
@@ -98,7 +68,11 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
   void solved(const PassSystem<Scalar>& system) override;
   void begin_search(const PassSystem<Scalar>& system, double& slope, double& curvature) override;
   [[nodiscard]] double slope_at(double fraction) const override;
-  void end_search(double fraction) override { free_.end_search(fraction); }
+  void end_search(double fraction) override {
+    for (Contact& contact : set_.contacts())
+      contact.value = contact.value_before + fraction * (contact.value - contact.value_before);
+    free_.end_search(fraction);
+  }
   [[nodiscard]] bool acts() const override;
   void fix_impulses() override {
     for (Contact& contact : set_.contacts()) contact.given = contact.impulse;
@@ -315,7 +289,11 @@ void Contacts<Scalar>::add_to_matrix(const Contact& contact, const Mat3<Scalar>&
 
 template <std::floating_point Scalar>
 void Contacts<Scalar>::solved(const PassSystem<Scalar>& system) {
-  free_.solve(set_.contacts(), [&](const Contact& contact) { return value_of(contact.point, system.change); });
+  for (Contact& contact : set_.contacts()) {
+    contact.value_before = contact.value;
+    contact.value = value_of(contact.point, system.change);
+  }
+  free_.solve(set_.contacts());
 }
 
 template <std::floating_point Scalar>
@@ -327,7 +305,7 @@ bool Contacts<Scalar>::revise(const PassSystem<Scalar>& system, double error) {
   bool changed = find_crossings(system);
   double largest = 0;
   for (Contact& contact : set_.contacts()) {
-    contact.evaluate(value_of(contact.point, system.change) - free_.motion(contact));
+    contact.evaluate(contact.value - free_.motion(contact));
     largest = (std::max)(largest, contact.normal_trial);
   }
   for (Contact& contact : set_.contacts()) {
@@ -345,19 +323,26 @@ bool Contacts<Scalar>::revise(const PassSystem<Scalar>& system, double error) {
 template <std::floating_point Scalar>
 bool Contacts<Scalar>::find_crossings(const PassSystem<Scalar>& system) {
   bool found = false;
-  for (Index p = 0; p < points().size(); ++p) {
-    if (!set_.is_here(p, linearized_)) continue;
-    const Vec3<double> guess = guessed_end(p, system), end = guess + gamma_ * value_of(p, system.change);
-    if (!set_.may_have_crossed(p, end)) continue;
-    set_.find_crossings(p, end, [&](Contact& contact) {
+  const TermState<Scalar>& here = linearized_;
+  const auto end_of = [&](Index v) -> Vec3<double> {
+    Vec3<Scalar> change = system.change[here.index(v)];
+    if (system.guess != nullptr) change += (*system.guess)[here.index(v)];
+    return here.position(v).template cast<double>() + gamma_ * here.to_space(change).template cast<double>();
+  };
+  const auto end_of_point = [&](Index p) -> Vec3<double> {
+    return guessed_end(p, system) + gamma_ * value_of(p, system.change);
+  };
+  set_.for_each_suspect(here, end_of, end_of_point, [&](Index p) {
+    set_.find_crossings(p, end_of_point(p), [&](Contact& contact) {
       free_.add(set_.obstacles(), contact);
       spring_cap_ = (std::min)(spring_cap_, body_mass_ratio / double(points().size()));
       choose_spring(contact, system);
-      contact.linearize(guess, gamma_, contact.kappa, contact.kappa_t);
+      contact.linearize(guessed_end(p, system), gamma_, contact.kappa, contact.kappa_t);
       contact.start_from_memory(gamma_);
+      contact.value = value_of(p, system.change);
       found = true;
     });
-  }
+  });
   return found;
 }
 
@@ -385,11 +370,10 @@ bool Contacts<Scalar>::augment() {
 }
 
 template <std::floating_point Scalar>
-void Contacts<Scalar>::begin_search(const PassSystem<Scalar>& system, double& slope, double& curvature) {
+void Contacts<Scalar>::begin_search(const PassSystem<Scalar>& /*system*/, double& slope, double& curvature) {
   for (std::size_t i = 0; i < set_.contacts().size(); ++i) {
     const Contact& contact = set_.contacts()[i];
-    Vec3<double> from = value_of(contact.point, system.from);
-    Vec3<double> along = value_of(contact.point, system.change) - from;
+    Vec3<double> from = contact.value_before, along = contact.value - from;
     curvature -= along.dot(contact.stiffness_in * along);
     slope -= along.dot(contact.stiffness_in * from - contact.impulse_in);
     from -= free_.motion_from(contact);

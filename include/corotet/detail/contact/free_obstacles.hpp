@@ -74,14 +74,12 @@ class FreeObstacles {
             eta_ * (contact.piece_stiffness * (jacobian(contact) * all_[at(contact.free_body)].eliminated));
   }
 
-  /// Sets V to that of a solution; `change_of(contact)` is J d.
-  template <class ChangeOf>
-  void solve(const std::vector<PointContact>& contacts, const ChangeOf& change_of) {
+  /// Sets V to that of a solution.
+  void solve(const std::vector<PointContact>& contacts) {
     for (Body& body : all_) body.sum = Twist::Zero();
     for (const PointContact& contact : contacts)
       if (contact.free_body >= 0 && contact.phase != ContactPhase::open)
-        all_[at(contact.free_body)].sum +=
-            jacobian(contact).transpose() * (contact.piece_stiffness * change_of(contact));
+        all_[at(contact.free_body)].sum += jacobian(contact).transpose() * (contact.piece_stiffness * contact.value);
     for (Body& body : all_) body.change = body.eliminated + eta_ * (body.inverse * body.sum);
   }
 

@@ -65,10 +65,11 @@ struct PointContact {
   Vec3<double> tangential0 = Vec3<double>::Zero();  ///< q, N s
 
   // At the solution that was judged last.
-  double normal_trial = 0;                               ///< not cut off, N s
-  Vec3<double> tangential_trial = Vec3<double>::Zero();  ///< q, N s
-  Vec3<double> change = Vec3<double>::Zero();            ///< w, m/s
-  Vec3<double> impulse = Vec3<double>::Zero();           ///< p, N s
+  double normal_trial = 0;                                          ///< not cut off, N s
+  Vec3<double> tangential_trial = Vec3<double>::Zero();             ///< q, N s
+  Vec3<double> value = Vec3<double>::Zero(), value_before = value;  ///< of the change of velocities at the point, m/s
+  Vec3<double> change = Vec3<double>::Zero();                       ///< w, m/s
+  Vec3<double> impulse = Vec3<double>::Zero();                      ///< p, N s
 
   // The piece in the system: p = piece_impulse - piece_stiffness w.
   double limit = 0;                               ///< mu p_n of sliding, N s
