@@ -195,6 +195,13 @@ class TurningFrame {
                                      TermSum<Scalar>& terms, const TermState<Scalar>& linearized,
                                      Field<Scalar>& displacement, Field<Scalar>& velocity) {
     const Motion solved = motion(body, sums);
+    const Mat3<double> inertia =
+        solved.second.trace() * Mat3<double>::Identity() - (solved.second + solved.second.transpose()) / 2;
+    const Vec3<double> moment = sums.col(7) - solved.centre.cross(sums.col(6));
+    const Vec3<double> lacking =  // turn_rate_ is the same in the frame
+        rotation_by(turn_).transpose() * goal_ + moment - solved.momentum - inertia * turn_rate_;
+    // What turns a body by less than positions are rounded is not worth it.
+    if (gamma * lacking.norm() <= double(std::numeric_limits<Scalar>::epsilon()) * inertia.trace() / 3) return false;
     const auto x = placed(body, displacement);
     using Vec6 = Matrix<double, 6, 1>;
     const auto rigid_motion = [&x, &solved](const Vec6& twist) {
@@ -216,14 +223,9 @@ class TurningFrame {
       moments += (x(i) - solved.centre) * impulse.template cast<double>().transpose();
     }
     const Mat3<double> turning = gamma * (moments - moments.trace() * Mat3<double>::Identity());
-    const Mat3<double> inertia =
-        solved.second.trace() * Mat3<double>::Identity() - (solved.second + solved.second.transpose()) / 2;
     resistance.set_block(3, 3, Mat3<double>(resistance.template block<3, 3>(3, 3) + inertia - turning));
     for (int i = 0; i < 3; ++i) resistance(i, i) += body.mass().total();
 
-    const Vec3<double> moment = sums.col(7) - solved.centre.cross(sums.col(6));
-    const Vec3<double> lacking =  // turn_rate_ is the same in the frame
-        rotation_by(turn_).transpose() * goal_ + moment - solved.momentum - inertia * turn_rate_;
     Vec6 change = Vec6::Zero();
     for (int i = 0; i < 3; ++i) change[3 + i] = lacking[i];
     Matrix<double, 6, 6> root;
