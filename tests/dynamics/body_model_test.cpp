@@ -65,14 +65,13 @@ TYPED_TEST(ModelledBody, TellsItsMemory) {
 
 /// What each step computes anew is not copied, and not missed: a copy goes on bit for bit, and allocates nothing.
 TYPED_TEST(ModelledBody, CopiesGoOnBitForBit) {
-  using Body = typename TestFixture::Body;
-  Body first = this->bar({.damping = {.mass = 0.5, .stiffness = 1e-3}});
+  auto first = this->bar({.damping = {.mass = 0.5, .stiffness = 1e-3}});
   first.set_gravity({0, 0, -9});
   first.pin_where([](const auto& x) { return x.x() < 1e-3; });
-  const auto expect_same = [&](auto original, Body body) {
+  const auto expect_same = [&](auto original, auto body) {
     for (int i = 0; i < 4; ++i) original.step(body, this->h);
     auto copy = original;
-    Body of_copy = body;
+    auto of_copy = body;
     for (int i = 0; i < 4; ++i) {
       original.step(body, this->h);
       const long before = testing::allocation_count;
