@@ -78,6 +78,7 @@ TYPED_TEST(ModelledBody, MakesBodies) {
     ASSERT_TRUE(copy.step(second, this->h).accepted());
   }
   EXPECT_EQ(first.displacements(), second.displacements());
+  EXPECT_GT(testing::max_displacement(first), 0.01) << "the case must tell";
 }
 
 TYPED_TEST(ModelledBody, RefusesCouplingsThatMeanNothing) {
@@ -110,6 +111,7 @@ TYPED_TEST(ModelledBody, IsRebasedInFlight) {
       shape.push_back((body.position(i) - body.position(0)).template cast<double>());
     const Vec3<double> there = body.origin() + body.position(0).template cast<double>();
     shape.push_back(there - Vec3<double>(600, 0, 0));
+    EXPECT_LT(shape.back().norm(), 10) << "where it has flown to";
     return shape;
   };
   const auto euler = [](const auto& body) { return ImplicitEuler(body, testing::solver({.tolerance = 1e-5})); };

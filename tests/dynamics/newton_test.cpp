@@ -78,6 +78,7 @@ TEST(Newton, AllTangentsFindTheSameState) {
     const StepReport report = euler.step(solution.back(), 1.0 / 60);
     EXPECT_TRUE(report.newton_converged) << name_of(tangent) << report.newton_residual;
     EXPECT_LT((flat(solution.back().displacements()) - flat(solution.front().displacements())).norm(), 1e-9);
+    EXPECT_GT((flat(solution.back().displacements()) - flat(start.displacements())).norm(), 0.01);
   }
 }
 
@@ -122,10 +123,7 @@ TYPED_TEST(NewtonSteps, AStretchedBarComesToRest) {
     const double resting = sizeof(Scalar) == 4 ? 1e-3 : 1e-6;  // m/s; float rounds positions to 1e-7 m, 1e-5 m/s
     EXPECT_LT(speed_with({}), resting) << "x" << held.stretch;
     EXPECT_LT(speed_with({.iterations = 10, .tangent = Tangent::consistent}), resting) << "x" << held.stretch;
-    const double buzz = speed_with({.tangent = Tangent::warped, .bounds_energy = false});
-    std::printf("held at %g times its length, nu %g: speed %.1e m/s (plain tangent: %.1e)\n", held.stretch,
-                held.poisson, speed_with({}), buzz);
-    plain = std::max(plain, buzz);
+    plain = std::max(plain, speed_with({.tangent = Tangent::warped, .bounds_energy = false}));
   }
   EXPECT_GT(plain, 1) << "the cases must be hard";
 }
@@ -164,12 +162,10 @@ TYPED_TEST(NewtonSteps, AFreeBlockKeepsItsSpinWithTheDefaultOptions) {
   const double kept = spin_kept<ImplicitEuler<Body>>(block, by_itself({}));
   EXPECT_GT(kept, 0.99);
   EXPECT_LT(kept, 1.01);
-  const double second_order = spin_kept<Bdf2<Body>>(block, by_itself({}));
-  EXPECT_GT(second_order, 0.95);
-  std::printf("spin kept by itself: backward Euler %.4f (exact tangent, one solve %.4f, converged %.4f), BDF2 %.4f\n",
-              kept, spin_kept<ImplicitEuler<Body>>(block, by_itself({.tangent = Tangent::consistent})),
-              spin_kept<ImplicitEuler<Body>>(block, by_itself({.iterations = 10, .tangent = Tangent::consistent})),
-              second_order);
+  EXPECT_GT(spin_kept<Bdf2<Body>>(block, by_itself({})), 0.95);
+  EXPECT_LT(spin_kept<ImplicitEuler<Body>>(block, by_itself({.tangent = Tangent::consistent})), kept);
+  EXPECT_LT(spin_kept<ImplicitEuler<Body>>(block, by_itself({.iterations = 10, .tangent = Tangent::consistent})), 0.9)
+      << "the case must tell";
 }
 
 /// A free block that is kicked at random, spins by half a rad a step, flies, is pulled round and damped has the angular
@@ -232,6 +228,7 @@ TYPED_TEST(NewtonSteps, AnIndefiniteHessianIsProjectedAndNotRefused) {
       EXPECT_EQ(report.inverted_elements, 0);
     }
     EXPECT_LT(testing::max_speed(body), 0.1);
+    EXPECT_GT(double(body.displacements()[at(body.mesh().nearest_vertex({0.5, 0, 0}))].y()), 0.1) << "it has buckled";
   }
 }
 

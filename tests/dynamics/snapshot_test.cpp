@@ -65,6 +65,7 @@ void restore_anywhere(const Body& start, Scalar h, const std::function<Integrato
     ASSERT_TRUE(alone.step(undisturbed, h).accepted());
     path.push_back(undisturbed.displacements());
   }
+  EXPECT_GT(testing::max_displacement(undisturbed), 0.01) << "the case must tell";
   for (const int when : {0, 1, 12, 30}) {
     Body body = start;
     Integrator integrator = make(body);
@@ -175,6 +176,7 @@ TYPED_TEST(Snapshot, ResetIsAsNew) {
     ASSERT_TRUE(unused.step(fresh, this->h).accepted());
     ASSERT_EQ(body.displacements(), fresh.displacements()) << "step " << step;
   }
+  EXPECT_GT(testing::max_displacement(body), 0.01) << "the case must tell";
 }
 
 /// What is not a snapshot of this body is refused, and nothing changes: cut off anywhere, any byte another, of another

@@ -100,6 +100,7 @@ TYPED_TEST(Scheme, IsAllThatMakesAnIntegrator) {
     ASSERT_TRUE(euler.step(second, 1.0 / 60).accepted());
   }
   EXPECT_EQ(first.displacements(), second.displacements());
+  EXPECT_GT(testing::max_displacement(first), 0.01) << "the case must tell";
 }
 
 /// Phi(x) = sqrt(1 + x^2) + x^2/20, whose full Newton steps from far away overshoot.

@@ -127,6 +127,15 @@ Vec3<double> linear_momentum(const Body& body) {
   return sum;
 }
 
+/// The largest displacement from rest, m: for tests that two ways lead to the same state, which they do as well where
+/// nothing moves.
+template <class Body>
+double max_displacement(const Body& body) {
+  double largest = 0;
+  for (const auto& u : body.displacements()) largest = std::max(largest, double(u.norm()));
+  return largest;
+}
+
 /// m/s.
 template <class Body>
 double max_speed(const Body& body) {
