@@ -19,14 +19,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* frames_folder = "frames";
 
-void make_folder(const fs::path& folder) {
-  std::error_code code;
-  fs::create_directories(folder, code);
-  if (!fs::is_directory(folder))
-    throw Failure(fmt::format("{}: this folder cannot be made: {}", folder.string(),
-                              code ? code.message() : "a file of this name is there"));
-}
-
 /// Removes what a run writes and nothing else, so that old files cannot pass for new ones.
 void remove_earlier_run(const fs::path& folder) {
   std::error_code ignored;
@@ -40,6 +32,14 @@ void remove_earlier_run(const fs::path& folder) {
 }
 
 }  // namespace
+
+void make_folder(const fs::path& folder) {
+  std::error_code code;
+  fs::create_directories(folder, code);
+  if (!fs::is_directory(folder))
+    throw Failure(fmt::format("{}: this folder cannot be made: {}", folder.string(),
+                              code ? code.message() : "a file of this name is there"));
+}
 
 OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
   make_folder(folder_);

@@ -14,6 +14,9 @@
 
 namespace corotet::program {
 
+/// Makes a folder, with those above it, if it is not there. Throws a Failure that names it if it cannot be made.
+void make_folder(const std::filesystem::path& folder);
+
 /// Each function throws a Failure that names the file if it cannot be written. Whatever is there is readable at any
 /// time, also after the program was stopped: probes come line by line, series list only frames that are complete, and
 /// final.txt and summary.json appear whole or not at all.

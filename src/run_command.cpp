@@ -72,23 +72,24 @@ std::string simulate(const Scene& scene, const RunInput& input, Simulation& simu
 
 void warn(const StepStatistics& steps, const RunFacts& facts) {
   const auto say = [](const std::string& text) { fmt::print(stderr, "corotet: warning: {}\n", text); };
-  if (steps.unconverged() > 0) {
+  const StepCounts& counts = steps.counts();
+  if (counts.unconverged > 0) {
     say(
         fmt::format("the solver stopped before its tolerance in {} of {} steps (worst residual {:.3g}): raise "
                     "solver.max_iterations, loosen solver.tolerance, or use solver.name cholesky",
-                    steps.unconverged(), steps.steps(), steps.worst_residual()));
+                    counts.unconverged, counts.accepted, steps.worst_residual()));
   }
-  if (steps.newton_unconverged() > 0) {
+  if (counts.newton_unconverged > 0) {
     say(fmt::format(
         "Newton's method stopped before its tolerance in {} of {} steps (worst estimate of the error {:.3g}): "
         "raise integrator.newton, loosen integrator.newton_tolerance, or use smaller steps",
-        steps.newton_unconverged(), steps.steps(), steps.worst_newton_residual()));
+        counts.newton_unconverged, counts.accepted, steps.worst_newton_residual()));
   }
-  if (steps.untrusted() > 0) {
+  if (counts.unreliable > 0) {
     say(fmt::format(
         "{} of {} steps cannot be trusted: the solve ended far from its solution, elements were turned inside "
         "out, or the strain grew too far; use smaller steps, or set integrator.untrusted to divide",
-        steps.untrusted(), steps.steps()));
+        counts.unreliable, counts.accepted));
   }
   if (steps.inverted_elements() > 0) {
     say(fmt::format("{} elements are inverted at the end: use smaller steps, gentler pins, or a stiffer material",
@@ -136,8 +137,8 @@ int run(const RunCommandOptions& options) {
   if (!facts.stopped_because.empty()) throw Failure(fmt::format("{}: {}", options.scene, facts.stopped_because));
   fmt::print(
       "{} vertices, {} elements, {} pinned; {} steps of {:.6g} s by {}, median {:.3g} ms a step; results in {}\n",
-      facts.simulation.vertices, facts.simulation.elements, facts.pinned_vertices, statistics.steps(), scene.dt,
-      facts.simulation.solver, statistics.median_step_ms(), output.path().string());
+      facts.simulation.vertices, facts.simulation.elements, facts.pinned_vertices, statistics.counts().accepted,
+      scene.dt, facts.simulation.solver, statistics.median_step_ms(), output.path().string());
   return 0;
 }
 

@@ -36,10 +36,8 @@ StepStatistics::StepStatistics(int steps) {
 }
 
 void StepStatistics::add(const StepReport& report, const PhaseClock& clock, double cpu_s) {
-  if (!report.accepted()) {
-    ++refused_;
-    return;
-  }
+  counts_.add(report);
+  if (!report.accepted()) return;
   step_ms_.push_back(clock.total_ms());
   assembly_ms_.push_back(clock.assembly_ms());
   solve_ms_.push_back(clock.solve_ms());
@@ -48,15 +46,9 @@ void StepStatistics::add(const StepReport& report, const PhaseClock& clock, doub
   newton_iterations_ += report.newton_iterations;
   max_newton_iterations_ = std::max(max_newton_iterations_, report.newton_iterations);
   worst_newton_residual_ = std::max(worst_newton_residual_, report.newton_residual);
-  if (!report.newton_converged) ++newton_unconverged_;
-  if (report.warning != StepWarning::none) ++untrusted_;
   sub_steps_ += report.sub_steps;
   max_sub_steps_ = std::max(max_sub_steps_, report.sub_steps);
-  max_iterations_ = std::max(max_iterations_, report.iterations);
   worst_residual_ = std::max(worst_residual_, report.residual);
-  ++accepted_;
-  if (report.converged) ++converged_;
-  if (report.inverted_elements > 0) ++inverted_;
   max_inverted_ = std::max(max_inverted_, report.inverted_elements);
   last_ = report;
 }
@@ -67,14 +59,14 @@ double StepStatistics::median_step_ms() const {
 }
 
 void StepStatistics::write_to(Json& summary) const {
-  const auto mean = [&](double sum) { return accepted_ == 0 ? Json() : Json(sum / accepted_); };
-  summary["steps"] = accepted_;
+  const auto mean = [&](double sum) { return counts_.accepted == 0 ? Json() : Json(sum / counts_.accepted); };
+  summary["steps"] = counts_.accepted;
   summary["step_ms"] = {
       {"median", percentile(step_ms_, 50)}, {"min", percentile(step_ms_, 1e-9)}, {"p99", percentile(step_ms_, 99)}};
   summary["cpu_ms_per_step"] = mean(1000 * cpu_s_);
   summary["assembly_ms"] = percentile(assembly_ms_, 50);
   summary["solve_ms"] = percentile(solve_ms_, 50);
-  summary["iterations"] = {{"mean", mean(iterations_)}, {"max", max_iterations_}};
+  summary["iterations"] = {{"mean", mean(iterations_)}, {"max", counts_.max_iterations}};
   summary["residual"] = worst_residual_;
   summary["newton"] = {{"iterations", {{"mean", mean(newton_iterations_)}, {"max", max_newton_iterations_}}},
                        {"residual", worst_newton_residual_}};
@@ -83,9 +75,9 @@ void StepStatistics::write_to(Json& summary) const {
   summary["inverted_elements_max"] = max_inverted_;
   summary["largest_rotation"] = last_.max_rotation;
   summary["largest_strain"] = last_.max_strain;
-  summary["status"] = {
-      {"converged", converged_}, {"unconverged", accepted_ - converged_}, {"newton_unconverged", newton_unconverged_},
-      {"untrusted", untrusted_}, {"with_inverted_elements", inverted_},   {"refused", refused_}};
+  summary["status"] = {{"converged", counts_.accepted - counts_.unconverged}, {"unconverged", counts_.unconverged},
+                       {"newton_unconverged", counts_.newton_unconverged},    {"untrusted", counts_.unreliable},
+                       {"with_inverted_elements", counts_.inverted},          {"refused", counts_.refused}};
 }
 
 std::string format_summary(const Scene& scene, const RunInput& input, const RunFacts& facts,

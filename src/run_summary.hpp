@@ -11,6 +11,7 @@
 #include "run_input.hpp"
 #include "scene.hpp"
 #include "simulation.hpp"
+#include "step_counts.hpp"
 
 namespace corotet::program {
 
@@ -21,10 +22,7 @@ class StepStatistics {
 
   void add(const StepReport& report, const PhaseClock& clock, double cpu_s);
 
-  [[nodiscard]] Index steps() const { return accepted_; }
-  [[nodiscard]] Index unconverged() const { return accepted_ - converged_; }
-  [[nodiscard]] Index newton_unconverged() const { return newton_unconverged_; }
-  [[nodiscard]] Index untrusted() const { return untrusted_; }
+  [[nodiscard]] const StepCounts& counts() const { return counts_; }
   [[nodiscard]] double worst_newton_residual() const { return worst_newton_residual_; }
   [[nodiscard]] Index inverted_elements() const { return last_.inverted_elements; }
   [[nodiscard]] double worst_residual() const { return worst_residual_; }
@@ -37,11 +35,11 @@ class StepStatistics {
   std::vector<double> step_ms_, assembly_ms_, solve_ms_;
   double cpu_s_ = 0;
   double iterations_ = 0, newton_iterations_ = 0;
-  int max_iterations_ = 0, max_newton_iterations_ = 0;
+  int max_newton_iterations_ = 0;
   double sub_steps_ = 0;
   int max_sub_steps_ = 0;
   double worst_residual_ = 0, worst_newton_residual_ = 0;
-  Index accepted_ = 0, converged_ = 0, newton_unconverged_ = 0, untrusted_ = 0, inverted_ = 0, refused_ = 0;
+  StepCounts counts_;
   Index max_inverted_ = 0;
   StepReport last_;
 };

@@ -7,12 +7,12 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <system_error>
 #include <thread>
 #include <vector>
 
 #include "../command.hpp"
 #include "../failure.hpp"
+#include "../output_folder.hpp"
 #include "../progress.hpp"
 #include "../run_input.hpp"
 #include "cases.hpp"
@@ -52,14 +52,6 @@ std::vector<Study> studies_of(const ReportOptions& options) {
     return std::find(options.cases.begin(), options.cases.end(), study.name) == options.cases.end();
   });
   return studies;
-}
-
-void make_folder(const fs::path& folder) {
-  std::error_code code;
-  fs::create_directories(folder, code);
-  if (!fs::is_directory(folder))
-    throw Failure(fmt::format("{}: this folder cannot be made: {}", folder.string(),
-                              code ? code.message() : "a file of this name is there"));
 }
 
 void write(const ReportOptions& options, const std::vector<StudyReport>& reports) {

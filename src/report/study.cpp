@@ -10,6 +10,7 @@
 
 #include "../failure.hpp"
 #include "../local_origin.hpp"
+#include "../momenta.hpp"
 #include "../phase_clock.hpp"
 #include "../run_input.hpp"
 #include "../run_setup.hpp"
@@ -48,13 +49,6 @@ class Sampler {
   std::size_t samples_ = 0;
 };
 
-Vec3<double> angular_momentum(const Simulation& simulation, Index vertices) {
-  Vec3<double> sum = Vec3<double>::Zero();
-  for (Index v = 0; v < vertices; ++v)
-    sum += simulation.vertex_mass(v) * simulation.position(v).cross(simulation.velocity(v));
-  return sum;
-}
-
 class Runner {
  public:
   Runner(const Study& study, const Scene& scene, RunInput input, ThreadPool& pool)
@@ -73,13 +67,13 @@ class Runner {
     const int steps = study_.steps(scene_.dt);
     const int every = std::max(1, static_cast<int>(std::lround(study_.sample_interval / scene_.dt)));
     const Index vertices = result_.facts.vertices;
-    result_.angular_momentum_first = angular_momentum(*simulation_, vertices);
+    result_.angular_momentum_first = angular_momentum(*simulation_, vertices, Vec3<double>::Zero());
     for (int step = 1; step <= steps && result_.ok(); ++step) {
       move_pins(*simulation_, input_, step * scene_.dt);
       if (!advance(scene_.dt)) break;
       if (!study_.at_rest && step % every == 0 && !sampler.add_to(result_)) result_.status = "not finite";
     }
-    result_.angular_momentum_last = angular_momentum(*simulation_, vertices);
+    result_.angular_momentum_last = angular_momentum(*simulation_, vertices, Vec3<double>::Zero());
     if (study_.at_rest && result_.ok()) {
       settle();
       if (!sampler.add_to(result_)) result_.status = "not finite";

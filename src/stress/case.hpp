@@ -22,6 +22,9 @@ struct Case {
   std::string criterion;  ///< in words
   Solvers solvers = Solvers::all;
   std::vector<Ratio> ratios;
+
+  [[nodiscard]] Factors factors() const { return {.solvers = solver_choices(solvers), .ratios = ratios}; }
+
   std::function<CaseResult(const Configuration&, const Effort&)> run;
 };
 

@@ -7,26 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "../step_counts.hpp"
+
 namespace corotet::program::stress {
-
-/// What the steps of a run reported, all together.
-struct StepStatistics {
-  int steps = 0;
-  int unconverged = 0;         ///< steps whose linear solver stopped before its tolerance, and said so
-  int capped = 0;              ///< of these, by its limit of iterations
-  int newton_unconverged = 0;  ///< the same of Newton's method
-  int max_iterations = 0;      ///< of the linear solver in a step
-  std::string error;           ///< of the first step that was refused
-
-  void add(const StepStatistics& other) {
-    steps += other.steps;
-    unconverged += other.unconverged;
-    capped += other.capped;
-    newton_unconverged += other.newton_unconverged;
-    max_iterations = std::max(max_iterations, other.max_iterations);
-    if (error.empty()) error = other.error;
-  }
-};
 
 /// A number that was measured, with the limit that it must keep if there is one.
 struct Finding {
@@ -64,7 +47,7 @@ class CaseResult {
   }
 
   std::vector<Finding> findings;
-  StepStatistics ledger;
+  StepCounts steps;
   double recovered = -1;  ///< random starts: the fraction that came back to the rest shape
 };
 

@@ -3,24 +3,43 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <sstream>
+#include <array>
+#include <utility>
 
 namespace corotet::program::stress {
 
+namespace {
+
+std::string word_of(int order) { return order == 1 ? "tet4" : "tet10"; }
+std::string word_of(ScalarKind scalar) { return scalar == ScalarKind::double_precision ? "double" : "float"; }
+std::string word_of(Stepping stepping) {
+  constexpr std::array words{"euler", "newton", "bdf2"};
+  return words[static_cast<std::size_t>(stepping)];
+}
+std::string word_of(const SolverChoice& solver) { return std::string(solver.name); }
+std::string word_of(const Ratio& ratio) { return std::string(ratio.name); }
+
+/// Calls visit(f, values of factor f) for each.
+template <class OfFactors, class Visit>
+void for_each_factor(OfFactors& factors, Visit&& visit) {
+  visit(0U, factors.orders);
+  visit(1U, factors.scalars);
+  visit(2U, factors.steppings);
+  visit(3U, factors.solvers);
+  visit(4U, factors.ratios);
+}
+
+bool contains(const std::vector<std::string>& words, const std::string& word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+}  // namespace
+
 std::string Configuration::column() const {
-  constexpr std::string_view steppings[] = {"euler", "newton", "bdf2"};
-  return fmt::format("tet{} {} {}", order == 1 ? 4 : 10, in_double() ? "double" : "float",
-                     steppings[static_cast<int>(stepping)]);
+  return fmt::format("{} {} {}", word_of(order), word_of(scalar), word_of(stepping));
 }
 
 std::string Configuration::name() const { return fmt::format("{} {} {}", column(), solver.name, ratio.name); }
-
-bool Configuration::has_word(std::string_view word) const {
-  std::istringstream words(name());
-  for (std::string each; words >> each;)
-    if (each == word) return true;
-  return false;
-}
 
 Scene Configuration::scene() const {
   Scene scene;
@@ -65,6 +84,36 @@ std::vector<Ratio> ratios(Ratios which) {
     all.push_back({"nu=.45", 0.45, VolumetricStrain::pointwise});
   }
   return all;
+}
+
+FactorWords Factors::words() const {
+  FactorWords words;
+  for_each_factor(*this, [&](std::size_t f, const auto& values) {
+    for (const auto& value : values) words[f].push_back(word_of(value));
+  });
+  return words;
+}
+
+std::array<std::size_t, 5> Factors::levels() const {
+  std::array<std::size_t, 5> levels{};
+  for_each_factor(*this, [&](std::size_t f, const auto& values) { levels[f] = values.size(); });
+  return levels;
+}
+
+Configuration Factors::configuration(const Choice& choice) const {
+  return {.order = orders[choice[0]],
+          .scalar = scalars[choice[1]],
+          .stepping = steppings[choice[2]],
+          .solver = solvers[choice[3]],
+          .ratio = ratios[choice[4]],
+          .tangent = {}};
+}
+
+void Factors::keep(const FactorWords& wanted) {
+  for_each_factor(*this, [&](std::size_t f, auto& values) {
+    if (!wanted[f].empty())
+      std::erase_if(values, [&](const auto& value) { return !contains(wanted[f], word_of(value)); });
+  });
 }
 
 }  // namespace corotet::program::stress

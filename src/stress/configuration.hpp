@@ -1,16 +1,19 @@
 // The ways to run a body that the hard cases are tried with.
 #pragma once
 
+#include <array>
 #include <corotet/detail/assembly/mean_dilatation.hpp>
 #include <corotet/detail/assembly/twist_modes.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/solve/auto_solver.hpp>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "../scene.hpp"
+#include "pairwise.hpp"
 
 namespace corotet::program::stress {
 
@@ -40,13 +43,12 @@ struct Configuration {
   Ratio ratio{"nu=.3", 0.3, VolumetricStrain::pointwise};
   std::optional<Tangent> tangent;  ///< instead of the stepping's own
 
-  /// "tet4 float euler auto nu=.3": the words that --only knows.
+  /// "tet4 float euler auto nu=.3"
   [[nodiscard]] std::string name() const;
 
   /// "tet4 float euler": the column of the table that it belongs to.
   [[nodiscard]] std::string column() const;
 
-  [[nodiscard]] bool has_word(std::string_view word) const;
   [[nodiscard]] bool in_double() const { return scalar == ScalarKind::double_precision; }
 
   /// E = 5e5 Pa, 1000 kg/m^3, no gravity, no damping, h = 1/60 s; all else as in a scene that does not say.
@@ -63,5 +65,25 @@ enum class Ratios { all, three };  ///< three: 0.3 and .499 with and without mea
 
 [[nodiscard]] std::vector<SolverChoice> solver_choices(Solvers which);
 [[nodiscard]] std::vector<Ratio> ratios(Ratios which);
+
+/// For each factor the words that name its values on the command line.
+using FactorWords = std::array<std::vector<std::string>, 5>;
+
+/// What configurations are made of: the values of each factor, the default first.
+struct Factors {
+  std::vector<int> orders{1, 2};
+  std::vector<ScalarKind> scalars{ScalarKind::single_precision, ScalarKind::double_precision};
+  std::vector<Stepping> steppings{Stepping::euler, Stepping::newton, Stepping::bdf2};
+  std::vector<SolverChoice> solvers;
+  std::vector<Ratio> ratios;
+
+  [[nodiscard]] FactorWords words() const;
+  /// How many values each factor has.
+  [[nodiscard]] std::array<std::size_t, 5> levels() const;
+  [[nodiscard]] Configuration configuration(const Choice& choice) const;
+
+  /// Removes the values that `wanted` does not name, of each factor of which it names any.
+  void keep(const FactorWords& wanted);
+};
 
 }  // namespace corotet::program::stress

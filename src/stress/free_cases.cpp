@@ -66,9 +66,9 @@ CaseResult unlike_halves(const Configuration& configuration, bool stiff_is_heavy
   const Vec3<double> before = trial.momentum();
   trial.run(300);
   trial.report_to(verdict);
-  verdict.note("most iterations", trial.ledger().max_iterations);
-  verdict.at_most("steps with a solve at its limit of iterations", trial.ledger().capped, 0);
-  verdict.note("steps short of the tolerance", trial.ledger().unconverged);
+  verdict.note("most iterations", trial.counts().max_iterations);
+  verdict.at_most("steps with a solve at its limit of iterations", trial.counts().at_iteration_limit, 0);
+  verdict.note("steps short of the tolerance", trial.counts().unconverged);
   verdict.at_most("momentum changed", (trial.momentum() - before).norm() / before.norm(),
                   configuration.in_double() ? 1e-9 : 1e-4);
   return verdict;

@@ -75,8 +75,8 @@ CaseResult hang_with_bad_element(const Configuration& configuration, const Shape
   trial.run(300);
   trial.report_to(verdict);
   verdict.at_most("rms displacement, m", trial.rms_to_rest(), 6);
-  verdict.note("most iterations", trial.ledger().max_iterations);
-  verdict.note("steps short of the tolerance", trial.ledger().unconverged);
+  verdict.note("most iterations", trial.counts().max_iterations);
+  verdict.note("steps short of the tolerance", trial.counts().unconverged);
   return verdict;
 }
 
@@ -112,7 +112,7 @@ CaseResult nearly_incompressible(const Configuration& configuration) {
       verdict.note(what, stiff.drop / soft.drop);
     if (poisson > 0.499) verdict.note("change of volume", stiff.volume_error);
   }
-  verdict.note("steps short of the tolerance", verdict.ledger.unconverged);
+  verdict.note("steps short of the tolerance", verdict.steps.unconverged);
   return verdict;
 }
 

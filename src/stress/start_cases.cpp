@@ -96,7 +96,7 @@ CaseResult recover_from_chaos(const Configuration& configuration, const Effort& 
       if (trial.folded_elements() > 0) ++folded;
       min_strain = std::min(min_strain, trial.last().max_strain);
     }
-    if (!trial.ledger().error.empty()) break;
+    if (!trial.error().empty()) break;
   }
   trial.report_to(verdict);
   verdict.recovered = double(recovered) / effort.seeds;

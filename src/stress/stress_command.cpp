@@ -2,8 +2,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <corotet/detail/mesh/io/file_bytes.hpp>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <string>
@@ -11,6 +11,7 @@
 
 #include "../command.hpp"
 #include "../failure.hpp"
+#include "../output_folder.hpp"
 #include "suite.hpp"
 #include "tables.hpp"
 
@@ -24,29 +25,19 @@ struct StressOptions {
   bool list = false, quick = false, full = false;
 };
 
-void write_file(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  if (!file.flush()) throw Failure(fmt::format("{} cannot be written", path.string()));
-}
-
 int stress_bodies(const StressOptions& options) {
   if (options.list) {
     for (const stress::Case& c : stress::all_cases())
       fmt::print("{:16} {}\n{:16} passes if: {}\n", c.name, c.set_up, "", c.criterion);
     return 0;
   }
-  if (!options.output.empty()) {  // before the work
-    std::error_code code;
-    std::filesystem::create_directories(options.output, code);
-    if (code) throw Failure(fmt::format("{}: {}", options.output, code.message()));
-  }
+  if (!options.output.empty()) make_folder(options.output);  // before the work
   const stress::Outcome outcome = stress::run_suite(options.suite);
   fmt::print("{}", stress::format_text(outcome));
   if (!options.output.empty()) {
     const std::filesystem::path folder(options.output);
-    write_file(folder / "stress.csv", stress::format_csv(outcome));
-    write_file(folder / "stress.md", stress::format_markdown(outcome));
+    require(write_file(folder / "stress.csv", stress::format_csv(outcome)));
+    require(write_file(folder / "stress.md", stress::format_markdown(outcome)));
   }
   const bool passed = std::all_of(outcome.runs.begin(), outcome.runs.end(),
                                   [](const stress::Run& run) { return run.verdict.passed(); });
@@ -62,15 +53,15 @@ Command add_stress_command(CLI::App& app) {
   syntax->add_option("-o,--output", options->output, "Folder for stress.csv and stress.md; made if it is not there");
   auto* quick = syntax->add_flag("--quick", options->quick,
                                  "Only float, `auto` and nu = .3, 10 random starts, 300 steps for 10,000");
-  auto* full =
-      syntax->add_flag("--full", options->full,
-                       "Each solver with each of Poisson's ratios, not only with nu = .3; 10,000 steps for 2,000");
+  auto* full = syntax->add_flag("--full", options->full,
+                                "All combinations of element, precision, integrator, solver and Poisson's ratio, not "
+                                "only so many that each two meet");
   quick->excludes(full);
   syntax->add_flag("--list", options->list, "Only names the cases, with set-up and criterion");
   syntax->add_option("--only", options->suite.only,
-                     "Only configurations with all these words: tet4 tet10, float double, euler newton bdf2, auto "
-                     "cholesky jacobi block_jacobi rigid_aggregates warped_cholesky, nu=0 nu=.3 nu=.45 nu=.499 "
-                     "nu=.499mean");
+                     "Only these of the elements (tet4 tet10), precisions (float double), integrators (euler newton "
+                     "bdf2), solvers (auto cholesky jacobi block_jacobi rigid_aggregates warped_cholesky) or ratios "
+                     "(nu=0 nu=.3 nu=.45 nu=.499 nu=.499mean); all of those of which none is named");
   auto* tangent = syntax->add_option("--tangent", options->tangent,
                                      "plain, stretch_stable or exact for all (exact for newton, else stretch_stable)");
   tangent->transform(CLI::CheckedTransformer(std::map<std::string, Tangent>{
@@ -80,15 +71,15 @@ Command add_stress_command(CLI::App& app) {
       ->check(CLI::Range(1, 1024));
   syntax->footer(
       "Rows of the table: cases. Columns: element, precision and integrator (euler: one solve a step; newton: until\n"
-      "converged; bdf2: second order, one solve), each over all solvers and Poisson's ratios; FAIL3/24: 3 of 24 runs\n"
-      "failed. Exit code 1 if one failed.\n\n"
+      "converged; bdf2: second order, one solve), each over the solvers and Poisson's ratios that were tried with it;\n"
+      "FAIL1/3: 1 of 3 runs failed. Exit code 1 if one failed.\n\n"
       "Examples:\n"
       "  corotet stress --quick\n"
       "  corotet stress stretch spin --only euler auto --tangent plain\n"
       "  corotet stress -o out");
   return {syntax, [options, tangent] {
-            if (options->quick) options->suite.breadth = stress::Coverage::quick;
-            if (options->full) options->suite.breadth = stress::Coverage::full;
+            if (options->quick) options->suite.coverage = stress::Coverage::quick;
+            if (options->full) options->suite.coverage = stress::Coverage::full;
             if (tangent->count() > 0) options->suite.tangent = options->tangent;
             return stress_bodies(*options);
           }};

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <chrono>
 #include <corotet/detail/core/thread_pool.hpp>
+#include <cstdint>
 #include <exception>
 #include <mutex>
 #include <utility>
 
 #include "../failure.hpp"
 #include "../progress.hpp"
+#include "pairwise.hpp"
 
 namespace corotet::program::stress {
 namespace {
@@ -30,26 +32,45 @@ std::vector<Case> choose_cases(const std::vector<std::string>& wanted) {
   return cases;
 }
 
+/// The words of --only by factor.
+FactorWords sort_words(const std::vector<std::string>& only) {
+  const FactorWords known = all_factors(all_cases()).words();
+  FactorWords wanted;
+  for (const std::string& word : only) {
+    const auto factor = std::find_if(known.begin(), known.end(), [&](const std::vector<std::string>& words) {
+      return std::find(words.begin(), words.end(), word) != words.end();
+    });
+    if (factor == known.end()) throw Failure(fmt::format("--only: no configuration has the word \"{}\"", word));
+    wanted[static_cast<std::size_t>(factor - known.begin())].push_back(word);
+  }
+  return wanted;
+}
+
+/// FNV-1a: a case keeps its configurations when others come or go.
+std::uint32_t hash_of(const std::string& name) {
+  std::uint32_t hash = 2166136261U;
+  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619U;
+  return hash;
+}
+
 std::vector<Run> plan(const std::vector<Case>& cases, const SuiteOptions& options) {
+  const FactorWords wanted = sort_words(options.only);
   std::vector<Run> runs;
   for (std::size_t i = 0; i < cases.size(); ++i) {
-    const std::vector<SolverChoice> solvers = solver_choices(cases[i].solvers);
-    const std::vector<Ratio>& ratios = cases[i].ratios;
-    for (const int order : {1, 2})
-      for (const ScalarKind scalar : {ScalarKind::single_precision, ScalarKind::double_precision})
-        for (const Stepping stepping : {Stepping::euler, Stepping::newton, Stepping::bdf2})
-          for (const SolverChoice& solver : solvers)
-            for (const Ratio& ratio : ratios) {
-              const bool centre_solver = solver.name == solvers.front().name,
-                         centre_ratio = ratio.name == ratios.front().name;
-              if (options.breadth == Coverage::star && !centre_solver && !centre_ratio) continue;
-              if (options.breadth == Coverage::quick && !(centre_solver && centre_ratio)) continue;
-              if (options.breadth == Coverage::quick && scalar == ScalarKind::double_precision) continue;
-              const Configuration c{order, scalar, stepping, solver, ratio, options.tangent};
-              if (std::all_of(options.only.begin(), options.only.end(),
-                              [&](const std::string& word) { return c.has_word(word); }))
-                runs.push_back({i, c, {}, 0});
-            }
+    Factors factors = cases[i].factors();
+    if (options.coverage == Coverage::quick) {
+      factors.scalars.resize(1);
+      factors.solvers.resize(1);
+      factors.ratios.resize(1);
+    }
+    factors.keep(wanted);
+    const auto levels = factors.levels();
+    for (const Choice& choice :
+         options.coverage == Coverage::pairs ? pairwise(levels, hash_of(cases[i].name)) : full_product(levels)) {
+      Configuration configuration = factors.configuration(choice);
+      configuration.tangent = options.tangent;
+      runs.push_back({.of_case = i, .configuration = configuration});
+    }
   }
   return runs;
 }
@@ -79,13 +100,22 @@ std::vector<Case> all_cases() {
   return cases;
 }
 
+Factors all_factors(const std::vector<Case>& cases) {
+  Factors factors{.solvers = solver_choices(Solvers::all), .ratios = {}};
+  for (const Case& each : cases)
+    for (const Ratio& ratio : each.ratios)
+      if (std::none_of(factors.ratios.begin(), factors.ratios.end(),
+                       [&](const Ratio& known) { return known.name == ratio.name; }))
+        factors.ratios.push_back(ratio);
+  return factors;
+}
+
 Outcome run_suite(const SuiteOptions& options) {
   Outcome outcome{choose_cases(options.cases), {}};
   outcome.runs = plan(outcome.cases, options);
   if (outcome.runs.empty()) throw Failure("no configuration of these cases has all the words of --only");
-  Effort effort;  // of --full
-  if (options.breadth == Coverage::star) effort.long_steps = 2000;
-  if (options.breadth == Coverage::quick) effort = {.seeds = 10, .long_steps = 300};
+  Effort effort;
+  if (options.coverage == Coverage::quick) effort = {.seeds = 10, .long_steps = 300};
   Progress progress(static_cast<int>(outcome.runs.size()));
   std::mutex mutex;
   int done = 0;

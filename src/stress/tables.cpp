@@ -37,19 +37,31 @@ struct Pivot {
   std::vector<std::map<std::string, Count>> rows;  // one a case
 };
 
-Pivot pivot(const Outcome& outcome, const Key& key, const std::function<bool(const Run&)>& where = nullptr) {
-  Pivot table;
+/// `columns`: all that there may be, in order.
+Pivot pivot(const Outcome& outcome, const Key& key, std::vector<std::string> columns,
+            const std::function<bool(const Run&)>& where = nullptr) {
+  Pivot table{std::move(columns), {}};
   table.rows.resize(outcome.cases.size());
   for (const Run& run : outcome.runs) {
     if (where && !where(run)) continue;
-    const std::string column = key(run);
-    if (std::find(table.columns.begin(), table.columns.end(), column) == table.columns.end())
-      table.columns.push_back(column);
-    Count& count = table.rows[run.of_case][column];
+    Count& count = table.rows[run.of_case][key(run)];
     ++count.runs;
     if (!run.verdict.passed()) ++count.failed;
   }
+  std::erase_if(table.columns, [&](const std::string& column) {
+    return std::none_of(table.rows.begin(), table.rows.end(), [&](const auto& row) { return row.contains(column); });
+  });
   return table;
+}
+
+Pivot pivot_by_column(const Outcome& outcome) {
+  const FactorWords words = all_factors(outcome.cases).words();
+  std::vector<std::string> columns;
+  for (const std::string& element : words[0])
+    for (const std::string& scalar : words[1])
+      for (const std::string& stepping : words[2])
+        columns.push_back(fmt::format("{} {} {}", element, scalar, stepping));
+  return pivot(outcome, by_column, std::move(columns));
 }
 
 std::string cell(const Pivot& table, std::size_t row, const std::string& column) {
@@ -88,7 +100,7 @@ std::string summary(const Outcome& outcome) {
 /// One line for each case and column that fails: how many, and what the first of them said.
 std::string failures(const Outcome& outcome) {
   std::string text;
-  const Pivot table = pivot(outcome, by_column);
+  const Pivot table = pivot_by_column(outcome);
   for (std::size_t i = 0; i < outcome.cases.size(); ++i)
     for (const std::string& column : table.columns) {
       const auto found = table.rows[i].find(column);
@@ -129,7 +141,7 @@ std::string recovery(const Outcome& outcome) {
 }  // namespace
 
 std::string format_text(const Outcome& outcome) {
-  const Pivot table = pivot(outcome, by_column);
+  const Pivot table = pivot_by_column(outcome);
   std::vector<std::vector<std::string>> heads;
   for (const std::string& column : table.columns) {
     std::istringstream words(column);
@@ -148,6 +160,7 @@ std::string format_text(const Outcome& outcome) {
       if (entry.starts_with("FAIL ")) entry.erase(4, 1);
       text += fmt::format("{:>9}", entry);
     }
+    text.erase(text.find_last_not_of(' ') + 1);  // of columns in which this case was not tried
     text += "\n";
   }
   text += "\n" + summary(outcome);
@@ -158,12 +171,13 @@ std::string format_text(const Outcome& outcome) {
 }
 
 std::string format_markdown(const Outcome& outcome) {
-  std::string text =
-      "# Hard cases\n\n" + summary(outcome) + "\nFAIL n/m: n of m runs, over the solvers and Poisson's ratios.\n\n";
-  text += markdown(outcome, pivot(outcome, by_column));
+  const FactorWords words = all_factors(outcome.cases).words();
+  std::string text = "# Hard cases\n\n" + summary(outcome) +
+                     "\nFAIL n/m: n of m runs, over the solvers and Poisson's ratios that were tried.\n\n";
+  text += markdown(outcome, pivot_by_column(outcome));
   text += "## The default integrator and solver, by Poisson's ratio\n\n" +
-          markdown(outcome, pivot(outcome, by_ratio, is_default));
-  text += "## By solver\n\n" + markdown(outcome, pivot(outcome, by_solver));
+          markdown(outcome, pivot(outcome, by_ratio, words[4], is_default));
+  text += "## By solver\n\n" + markdown(outcome, pivot(outcome, by_solver, words[3]));
   if (const std::string rows = recovery(outcome); !rows.empty())
     text +=
         "## Random starts that recovered\n\nOver the solvers.\n\n| configuration | least | mean | most |\n| --- | --- "
@@ -184,11 +198,11 @@ std::string format_csv(const Outcome& outcome) {
     std::replace(column.begin(), column.end(), ' ', ',');
     std::string found = run.verdict.text();
     std::replace(found.begin(), found.end(), '"', '\'');
-    const StepStatistics& ledger = run.verdict.ledger;
+    const StepCounts& counts = run.verdict.steps;
     text +=
         fmt::format("{},{},{},{},{},{},{},{},{},{},{:.3f},\"{}\"\n", outcome.cases[run.of_case].name, column,
-                    by_solver(run), by_ratio(run), run.verdict.passed() ? 1 : 0, ledger.steps, ledger.unconverged,
-                    ledger.newton_unconverged, ledger.max_iterations,
+                    by_solver(run), by_ratio(run), run.verdict.passed() ? 1 : 0, counts.accepted, counts.unconverged,
+                    counts.newton_unconverged, counts.max_iterations,
                     run.verdict.recovered < 0 ? "" : fmt::format("{:.3f}", run.verdict.recovered), run.seconds, found);
   }
   return text;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "../failure.hpp"
+#include "../momenta.hpp"
 
 namespace corotet::program::stress {
 
@@ -39,19 +40,12 @@ std::vector<Index> TestBody::pin(const std::function<bool(const Vec3<double>&)>&
 }
 
 bool TestBody::step() {
-  if (!ledger_.error.empty()) return false;
+  if (!error_.empty()) return false;
   clock_.start();
   last_ = simulation_->step(scene_.dt, pool_, clock_);
-  ++ledger_.steps;
-  if (!last_.accepted()) {
-    ledger_.error = fmt::format("step {} was refused: {}", ledger_.steps, last_.advice());
-    return false;
-  }
-  if (!last_.converged) ++ledger_.unconverged;
-  if (last_.solve == SolveStatus::iteration_limit) ++ledger_.capped;
-  if (!last_.newton_converged) ++ledger_.newton_unconverged;
-  ledger_.max_iterations = std::max(ledger_.max_iterations, last_.iterations);
-  return true;
+  counts_.add(last_);
+  if (!last_.accepted()) error_ = fmt::format("step {} was refused: {}", counts_.accepted + 1, last_.advice());
+  return error_.empty();
 }
 
 bool TestBody::run(int steps, const std::function<bool()>& stop) {
@@ -59,7 +53,7 @@ bool TestBody::run(int steps, const std::function<bool()>& stop) {
     if (!step()) return false;
     if (stop && stop()) break;
   }
-  return ledger_.error.empty();
+  return error_.empty();
 }
 
 bool TestBody::finite() const {
@@ -93,28 +87,10 @@ double TestBody::energy() const {
   return kinetic_energy() + simulation_->elastic_energy() + lift;
 }
 
-Vec3<double> TestBody::centre() const {
-  Vec3<double> sum = Vec3<double>::Zero();
-  double mass = 0;
-  for (Index v = 0; v < vertices(); ++v) {
-    sum += simulation_->vertex_mass(v) * simulation_->position(v);
-    mass += simulation_->vertex_mass(v);
-  }
-  return sum / mass;
-}
-
-Vec3<double> TestBody::momentum() const {
-  Vec3<double> sum = Vec3<double>::Zero();
-  for (Index v = 0; v < vertices(); ++v) sum += simulation_->vertex_mass(v) * simulation_->velocity(v);
-  return sum;
-}
-
+Vec3<double> TestBody::centre() const { return centre_of_mass(*simulation_, vertices()); }
+Vec3<double> TestBody::momentum() const { return linear_momentum(*simulation_, vertices()); }
 Vec3<double> TestBody::angular_momentum() const {
-  const Vec3<double> c = centre();
-  Vec3<double> sum = Vec3<double>::Zero();
-  for (Index v = 0; v < vertices(); ++v)
-    sum += simulation_->vertex_mass(v) * (simulation_->position(v) - c).cross(simulation_->velocity(v));
-  return sum;
+  return program::angular_momentum(*simulation_, vertices(), centre());
 }
 
 double TestBody::inertia_radius() const {
@@ -161,8 +137,8 @@ Index TestBody::folded_elements() const {
 }
 
 void TestBody::report_to(CaseResult& verdict) const {
-  verdict.ledger.add(ledger_);
-  verdict.expect(ledger_.error.empty(), ledger_.error);
+  verdict.steps.add(counts_);
+  verdict.expect(error_.empty(), error_);
   verdict.expect(finite(), "a position or velocity is not finite");
 }
 

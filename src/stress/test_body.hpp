@@ -6,10 +6,12 @@
 #include <corotet/detail/mesh/mesh_data.hpp>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "../scene.hpp"
 #include "../simulation.hpp"
+#include "../step_counts.hpp"
 #include "case_result.hpp"
 
 namespace corotet::program::stress {
@@ -37,7 +39,9 @@ class TestBody {
   bool run(int steps, const std::function<bool()>& stop = nullptr);
 
   [[nodiscard]] const StepReport& last() const { return last_; }
-  [[nodiscard]] const StepStatistics& ledger() const { return ledger_; }
+  [[nodiscard]] const StepCounts& counts() const { return counts_; }
+  /// Why no step is possible any more; empty if steps are.
+  [[nodiscard]] const std::string& error() const { return error_; }
 
   [[nodiscard]] bool finite() const;
   [[nodiscard]] double max_speed() const;
@@ -54,7 +58,7 @@ class TestBody {
   [[nodiscard]] Index folded_elements() const;
   [[nodiscard]] double volume() const;  ///< of the straight tetrahedra, signed
 
-  /// Puts the ledger into the verdict: it fails if a step was refused or the state is not finite.
+  /// Adds the counts to the verdict, which fails if a step was refused or the state is not finite.
   void report_to(CaseResult& verdict) const;
 
  private:
@@ -64,7 +68,8 @@ class TestBody {
   ThreadPool pool_{1};
   PhaseClock clock_;
   StepReport last_;
-  StepStatistics ledger_;
+  StepCounts counts_;
+  std::string error_;
 };
 
 /// Of 1 x 0.5 x 0.5 m with its least corner at 0: 80 Tet4, or 10 Tet10 on as fine a grid of vertices.

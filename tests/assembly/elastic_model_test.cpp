@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "support/bodies.hpp"
+#include "support/derivatives.hpp"
 #include "support/elastic_rig.hpp"
 #include "support/matrices.hpp"
 #include "support/softening_model.hpp"
@@ -309,22 +310,10 @@ template <class Element>
 void expect_derivatives_of_a_body(unsigned seed) {
   const auto mesh = testing::distorted_block<double, Element>({.size = {1, 0.7, 0.5}, .cells = {1, 1, 1}}, 0.2, seed);
   Rig<double, Element, StableNeoHookean> rig(mesh, rubber, VolumetricStrain::pointwise, Tangent::consistent);
-  const Index dofs = 3 * mesh.vertex_count();
   const Mat3<double> affine = Random(seed).rotation() * testing::diagonal({1.4, 0.7, 1.1});
   Field<double> u = testing::displacement_of(mesh, [&](const Vec3<double>& x) { return affine * x; });
   flat(u) += flat(testing::random_field<double>(mesh.vertex_count(), 0.05, seed));
-  const Eigen::MatrixXd matrix = rig.dense_stiffness(u);
-  const Field<double> force = rig.force(u);
-  const double h = 1e-6;
-  for (int c = 0; c < dofs; ++c) {
-    Field<double> forward = u, backward = u;
-    flat(forward)[c] += h;
-    flat(backward)[c] -= h;
-    EXPECT_NEAR(flat(force)[c], -(rig.law.energy(forward) - rig.law.energy(backward)) / (2 * h),
-                1e-7 * flat(force).norm());
-    const Eigen::VectorXd column = -(flat(rig.force(forward)) - flat(rig.force(backward))) / (2 * h);
-    EXPECT_LT((matrix.col(c) - column).norm(), 1e-7 * matrix.norm());
-  }
+  testing::expect_derivatives(rig, u, 1e-7);
   (void)rig.force(u);
   EXPECT_NEAR(rig.state.summary().energy, rig.law.energy(u), 1e-12 * rig.law.energy(u));
 }
@@ -341,18 +330,9 @@ TEST(PointwiseElasticity, TheMatrixIsTheSumOverElements) {
   const auto mesh = testing::distorted_block<float, Tet10>({.size = {1, 0.7, 0.5}, .cells = {3, 2, 2}}, 0.2, 4);
   Rig<float, Tet10, StableNeoHookean> rig(mesh);
   const auto u = testing::random_field<float>(mesh.vertex_count(), 0.02F, 8);
-  BlockMatrix<float> k = rig.stiffness(u);
+  testing::expect_sum_over_elements(rig, u);
   const Eigen::MatrixXd dense = rig.dense_stiffness(u);
   EXPECT_EQ((dense - dense.transpose()).norm(), 0);
-  double largest = 0;
-  for (Index s = 0; s < rig.pattern->blocks(); ++s)
-    largest = std::max(largest, double(std::as_const(k).block(s).norm()));
-  for (Index e = 0; e < mesh.element_count(); ++e)
-    for (int a = 0; a < rig.law.nodes; ++a)
-      for (int b = 0; b < rig.law.nodes; ++b)
-        k.block(rig.pattern->slot(mesh.element(e)[at(a)], mesh.element(e)[at(b)])) -=
-            rig.law.stiffness_block(rig.state, e, a, b);
-  for (Index s = 0; s < rig.pattern->blocks(); ++s) EXPECT_LT(double(std::as_const(k).block(s).norm()), 1e-5 * largest);
 }
 
 static_assert(ElasticModel<Softening> && detail::has_state<Softening>);

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "support/bodies.hpp"
+#include "support/derivatives.hpp"
 #include "support/elastic_rig.hpp"
 
 namespace corotet::elasticity_test {
@@ -139,52 +140,22 @@ void expect_warped_stiffness_is_the_hessian_without_twist(const MeshData& data, 
   Random random(seed);
   const auto [lambda, mu] = lame(rubber);
   Rig<double, Element> rig(testing::must(TetMesh<double, Element>::create(data)), rubber, volumetric_strain);
-  const Index vertices = rig.mesh.vertex_count(), dofs = 3 * vertices;
+  const Index vertices = rig.mesh.vertex_count();
   const Mat3<double> affine = random.rotation() * (Mat3<double>::Identity() + random.matrix(0.15));
   Field<double> u = testing::displacement_of(rig.mesh, [&](const Vec3<double>& x) { return affine * x; });
   if (vertices > 4) flat(u) += flat(testing::random_field<double>(vertices, 0.02, seed));
 
-  Eigen::MatrixXd hessian(dofs, dofs), twist = Eigen::MatrixXd::Zero(dofs, dofs);
-  const double h = 1e-6;
-  for (int c = 0; c < dofs; ++c) {
-    Field<double> forward = u, backward = u;
-    flat(forward)[c] += h;
-    flat(backward)[c] -= h;
-    hessian.col(c) = -(flat(rig.force(forward)) - flat(rig.force(backward))) / (2 * h);
-  }
-  const Eigen::MatrixXd warped = rig.dense_stiffness(u);
-
+  const Eigen::MatrixXd hessian = testing::difference_hessian(rig, u), warped = rig.dense_stiffness(u);
+  Eigen::MatrixXd twist = Eigen::MatrixXd::Zero(3 * vertices, 3 * vertices);
   for (Index e = 0; e < rig.mesh.element_count(); ++e)
     for (std::size_t q = 0; q < Element::stiffness_points.size(); ++q) {
-      const auto& point = rig.law.batches()[at(e / lane_count<double>)].point[q];
-      const int lane = e % lane_count<double>;
-      const Mat3<double> inverse = point.inverse_jacobian.lane(lane);
-      Eigen::MatrixXd gradient = Eigen::MatrixXd::Zero(3, vertices);  // of the shape functions in space
-      Mat3<double> f = Mat3<double>::Identity();
-      for (std::size_t a = 0; a < Element::nodes; ++a) {
-        const Index v = rig.mesh.element(e)[a];
-        const Vec3<double> of_vertex =
-            inverse.transpose() * Vec3<double>::load(detail::natural_gradients<Element>[q][a].data());
-        gradient.col(v) = as_eigen(of_vertex);
-        f += u[at(v)] * of_vertex.transpose();
-      }
-      const Eigen::JacobiSVD<Eigen::Matrix3d> svd(as_eigen(f), Eigen::ComputeFullU | Eigen::ComputeFullV);
-      ASSERT_GT(f.determinant(), 0);
-      const Vec3<double> s = svd.singularValues();
+      const testing::PrincipalPoint point(rig, e, q, u);
+      ASSERT_GT(point.f.determinant(), 0);
       const double pressure = mu * rig.state.volumetric_stress(q, e);
       if (volumetric_strain == VolumetricStrain::pointwise) {
-        EXPECT_NEAR(pressure, lambda * (s.sum() - 3), 1e-9 * mu);
+        EXPECT_NEAR(pressure, lambda * (point.s.sum() - 3), 1e-9 * mu);
       }
-      for (int axis = 0; axis < 3; ++axis) {
-        const int i = (axis + 1) % 3, j = (axis + 2) % 3;
-        Eigen::Matrix3d spin = Eigen::Matrix3d::Zero();
-        spin(i, j) = -std::sqrt(0.5);
-        spin(j, i) = std::sqrt(0.5);
-        const Eigen::MatrixXd mode = svd.matrixU() * spin * svd.matrixV().transpose() * gradient;  // mode : dF/dx
-        const Eigen::Map<const Eigen::VectorXd> nodal(mode.data(), dofs);
-        const double stiffness = 2 * mu + 2 * (pressure - 2 * mu) / (s[i] + s[j]);
-        twist += point.volume[lane] * stiffness * nodal * nodal.transpose();
-      }
+      twist += point.twist([&](double sum) { return 2 * mu + 2 * (pressure - 2 * mu) / sum; });
     }
   ASSERT_LT((hessian - warped - twist).norm(), 1e-6 * hessian.norm());
   ASSERT_GT(twist.norm(), 1e-3 * hessian.norm()) << "the modes that are left out must matter here";
@@ -376,17 +347,7 @@ TYPED_TEST(ElasticLaw, TheMatrixIsTheSumOverElements) {
     Rig<Scalar, typename TypeParam::Element> rig(mesh, several ? Materials(materials) : Materials(rubber));
     EXPECT_EQ(rig.law.common_lame_ratio().has_value(), !several);
     const auto u = testing::random_field<Scalar>(mesh.vertex_count(), 0.05, 8);
-    BlockMatrix<Scalar> k = rig.stiffness(u);
-    double largest = 0;
-    for (Index s = 0; s < rig.pattern->blocks(); ++s)
-      largest = std::max(largest, double(std::as_const(k).block(s).norm()));
-    for (Index e = 0; e < mesh.element_count(); ++e)
-      for (int a = 0; a < rig.law.nodes; ++a)
-        for (int b = 0; b < rig.law.nodes; ++b)
-          k.block(rig.pattern->slot(mesh.element(e)[at(a)], mesh.element(e)[at(b)])) -=
-              rig.law.stiffness_block(rig.state, e, a, b);
-    for (Index s = 0; s < rig.pattern->blocks(); ++s)
-      EXPECT_LT(double(std::as_const(k).block(s).norm()), (sizeof(Scalar) == 4 ? 1e-5 : 1e-13) * largest);
+    testing::expect_sum_over_elements(rig, u);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "support/bodies.hpp"
+#include "support/random.hpp"
 
 namespace corotet::pattern_and_mass_test {
 namespace {
@@ -74,6 +75,31 @@ TYPED_TEST(MassLaw, TotalIsDensityTimesVolumeAndLumpsArePositive) {
       EXPECT_TRUE(model == MassModel::consistent || mass.row_sum(v) > 0) << "vertex " << v;
     }
     EXPECT_NEAR(sum, 1400, 1e-2);
+  }
+}
+
+/// Each element's mass is lumped in proportion to the diagonal of its consistent matrix: on corners of a Tet10 less
+/// than on the middles of its edges.
+TYPED_TEST(MassLaw, LumpsAreInProportionToTheConsistentDiagonal) {
+  using Scalar = typename TypeParam::Scalar;
+  MeshData data;
+  data.positions = {{0, 0, 0}, {1, 0.1, 0}, {0.2, 0.9, 0.1}, {0.1, 0.2, 1.1}};
+  data.connectivity = {0, 1, 2, 3};
+  if (TypeParam::Element::order == 2) {
+    data = raise_order(std::move(data));
+    testing::Random random(1);
+    for (std::size_t v = 4; v < 10; ++v) data.positions[v] += random.vector(0.02);  // no two nodes are alike
+  }
+  const auto mesh = testing::must(TetMesh<Scalar, typename TypeParam::Element>::create(std::move(data)));
+  const BlockPattern p = BlockPattern::of(mesh.elements(), mesh.vertex_count());
+  const Mass<Scalar> lumped(mesh, Material{.density = 700}, MassModel::lumped, p),
+      consistent(mesh, Material{.density = 700}, MassModel::consistent, p);
+  double trace = 0;
+  for (Index v = 0; v < mesh.vertex_count(); ++v) trace += double(consistent.factor(p, v, p.diagonal[at(v)]));
+  for (Index v = 0; v < mesh.vertex_count(); ++v) {
+    const double share = double(consistent.factor(p, v, p.diagonal[at(v)])) / trace;
+    EXPECT_NEAR(double(lumped.factor(p, v, p.diagonal[at(v)])), share * lumped.total(), 1e-6 * lumped.total());
+    EXPECT_EQ(lumped.row_sum(v), lumped.factor(p, v, p.diagonal[at(v)]));
   }
 }
 

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "support/bodies.hpp"
+#include "support/derivatives.hpp"
 #include "support/elastic_rig.hpp"
 #include "support/matrices.hpp"
 
@@ -51,15 +52,7 @@ struct OneElement {
   /// By differences of the force.
   [[nodiscard]] Matrix hessian() const {
     Rigged rig(mesh);
-    Matrix k;
-    const double h = 1e-6;
-    for (int c = 0; c < dofs; ++c) {
-      Field<double> forward = u, backward = u;
-      flat(forward)[c] += h;
-      flat(backward)[c] -= h;
-      k.col(c) = -(flat(rig.force(forward)) - flat(rig.force(backward))) / (2 * h);
-    }
-    return k;
+    return testing::difference_hessian(rig, u);
   }
 
   /// As the library assembles it.
@@ -77,35 +70,9 @@ struct OneElement {
     const Rigged rig(mesh);
     Matrix sum = Matrix::Zero();
     for (std::size_t q = 0; q < Element::stiffness_points.size(); ++q) {
-      const auto& point = rig.law.batches().front().point[q];
-      const Mat3<double> inverse = point.inverse_jacobian.lane(0);
-      Eigen::Matrix<double, 3, Element::nodes> gradient;  // of the shape functions in space, one a vertex
-      Mat3<double> f = Mat3<double>::Identity();
-      for (std::size_t a = 0; a < Element::nodes; ++a) {
-        const Index v = mesh.element(0)[a];
-        const Vec3<double> of_vertex =
-            inverse.transpose() * Vec3<double>::load(detail::natural_gradients<Element>[q][a].data());
-        gradient.col(v) = as_eigen(of_vertex);
-        f += u[at(v)] * of_vertex.transpose();
-      }
-      const Eigen::JacobiSVD<Eigen::Matrix3d> svd(as_eigen(f), Eigen::ComputeFullU | Eigen::ComputeFullV);
-      Eigen::Matrix3d left = svd.matrixU();
-      Vec3<double> s = svd.singularValues();
-      if (f.determinant() < 0) {  // signed: R = U V^T must be a rotation
-        left.col(2) *= -1;
-        s[2] *= -1;
-      }
-      for (int axis = 0; axis < 3; ++axis) {
-        const int i = (axis + 1) % 3, j = (axis + 2) % 3;
-        Eigen::Matrix3d spin = Eigen::Matrix3d::Zero();
-        spin(i, j) = -std::sqrt(0.5);
-        spin(j, i) = std::sqrt(0.5);
-        const Eigen::Matrix<double, 3, Element::nodes> mode =
-            left * spin * svd.matrixV().transpose() * gradient;  // mode : dF/dx
-        const Eigen::Map<const Eigen::Matrix<double, dofs, 1>> nodal(mode.data());
-        const double stiffness = 2 * mu + 2 * (lambda * (s.sum() - 3) - 2 * mu) / (s[i] + s[j]);
-        sum += point.volume[0] * function(stiffness) * nodal * nodal.transpose();
-      }
+      const testing::PrincipalPoint point(rig, 0, q, u);
+      const double pressure = lambda * (point.s.sum() - 3);
+      sum += point.twist([&](double s) { return function(2 * mu + 2 * (pressure - 2 * mu) / s); });
     }
     return sum;
   }
@@ -194,19 +161,11 @@ TEST(Tangents, AreFiniteForDegenerateElements) {
 template <class Element>
 void expect_exact_is_the_hessian(VolumetricStrain volumetric_strain, unsigned seed) {
   const auto mesh = testing::distorted_block<double, Element>({.size = {1, 0.7, 0.5}, .cells = {1, 1, 1}}, 0.2, seed);
-  const Index dofs = 3 * mesh.vertex_count();
   const Mat3<double> affine = Random(seed).rotation() * testing::diagonal({1.2, 0.9, 1.1});
   Field<double> u = testing::displacement_of(mesh, [&](const Vec3<double>& x) { return affine * x; });
   flat(u) += flat(testing::random_field<double>(mesh.vertex_count(), 0.02, seed));
   testing::Rig<double, Element> rig(mesh, rubber, volumetric_strain, Tangent::consistent);
-  Eigen::MatrixXd hessian(dofs, dofs);
-  const double h = 1e-6;
-  for (int c = 0; c < dofs; ++c) {
-    Field<double> forward = u, backward = u;
-    flat(forward)[c] += h;
-    flat(backward)[c] -= h;
-    hessian.col(c) = -(flat(rig.force(forward)) - flat(rig.force(backward))) / (2 * h);
-  }
+  const Eigen::MatrixXd hessian = testing::difference_hessian(rig, u);
   EXPECT_LT((rig.dense_stiffness(u) - hessian).norm(), 1e-6 * hessian.norm());
 }
 

@@ -32,12 +32,12 @@ class Energy : public ::testing::Test {
   template <class Integrator>
   static double rise(Body body, const StepOptions& newton) {
     Integrator integrator(body, testing::solver(), newton);
-    testing::EnergyWatch watch(body);
+    testing::EnergyWatch watch(testing::energy(body));
     double scale = 0;
     for (int step = 0; step < 300; ++step) {
       EXPECT_TRUE(integrator.step(body, h).accepted());
       scale = std::max(scale, testing::kinetic_energy(body));
-      watch.see(body);
+      watch.see(testing::energy(body));
     }
     return watch.rise() / scale;
   }
@@ -145,11 +145,11 @@ TYPED_TEST(Energy, OfAFreeBodyThatSpinsAndBendsHardlyRisesWithTheSecondOrder) {
   const auto rise_of = [&](const StepOptions& newton) {
     auto copy = body;
     Bdf2 bdf2(copy, testing::solver(), newton);
-    testing::EnergyWatch watch(copy);
+    testing::EnergyWatch watch(testing::energy(copy));
     const double scale = watch.least();
     for (int step = 0; step < 300; ++step) {
       EXPECT_TRUE(bdf2.step(copy, this->h).accepted());
-      watch.see(copy);
+      watch.see(testing::energy(copy));
     }
     return watch.rise() / scale;
   };

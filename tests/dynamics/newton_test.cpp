@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "support/bodies.hpp"
+#include "support/hard_step.hpp"
 #include "support/random.hpp"
 #include "support/solver_choice.hpp"
 
@@ -45,44 +46,20 @@ TEST(Newton, ReproducesTheConvergedReferenceBeam) {
   EXPECT_LE(solves, 4 * 60);
 }
 
-/// A step of a body far from rest, in motion, with damping and a pin that moves: enough to need several solves.
 template <class Element>
 SoftBody<double, Element> hard_step() {
   auto body = testing::cantilever<double, Element>({.size = {1, 0.2, 0.2}, .cells = {4, 1, 1}}, soft, 9.81,
                                                    {.damping = {.mass = 0.5, .stiffness = 0.002}});
-  must(body.set_displacements(testing::displacement_of(body.mesh(), [](const Vec3<double>& x) {
-    return Vec3<double>(1.15 * x.x(), x.y() * (1 + 0.1 * x.x()), x.z() + 0.2 * x.x() * x.x());
-  })));
-  must(body.set_velocities(testing::displacement_of(body.mesh(), [](const Vec3<double>& x) {
-    return Vec3<double>(x.x(), x.y() + 2 * x.x(), x.z() - 4 * x.x() * x.x());
-  })));
-  const Index led = body.pins().vertices().front();
-  body.move_pin(led, body.position(led) + Vec3<double>(0.01, 0.01, 0));
+  testing::make_step_hard(body);
   return body;
-}
-
-/// The distance of k solves from the solution, k = 1, 2, ...
-template <class Body>
-std::vector<double> errors_of_solves(const Body& start, Tangent tangent, int most) {
-  const auto after = [&](int solves) {
-    Body body = start;
-    ImplicitEuler euler(body, direct, {.iterations = solves, .tolerance = 1e-15, .tangent = tangent});
-    EXPECT_TRUE(euler.step(body, 1.0 / 60).accepted());
-    return body;
-  };
-  const Body solution = after(60);
-  std::vector<double> errors;
-  for (int k = 1; k <= most; ++k)
-    errors.push_back((flat(after(k).displacements()) - flat(solution.displacements())).norm());
-  return errors;
 }
 
 template <class Element>
 void expect_quadratic_convergence() {
-  const std::vector<double> exact = errors_of_solves(hard_step<Element>(), Tangent::consistent, 5);
-  const std::vector<double> plain = errors_of_solves(hard_step<Element>(), Tangent::warped, 5);
+  const std::vector<double> exact = testing::errors_of_solves(hard_step<Element>(), Tangent::consistent, 5);
+  const std::vector<double> plain = testing::errors_of_solves(hard_step<Element>(), Tangent::warped, 5);
   for (int k = 0; k < 5; ++k) std::printf("%d solves: exact %.1e plain %.1e\n", k + 1, exact[at(k)], plain[at(k)]);
-  for (std::size_t k = 1; k < 4; ++k) EXPECT_LT(exact[k + 1], 20 * exact[k] * exact[k] + 1e-14) << k + 1 << " solves";
+  testing::expect_quadratic(exact);
   EXPECT_GT(plain[3], 1e-9);
 }
 
@@ -101,6 +78,7 @@ TEST(Newton, AllTangentsFindTheSameState) {
     const StepReport report = euler.step(solution.back(), 1.0 / 60);
     EXPECT_TRUE(report.newton_converged) << name_of(tangent) << report.newton_residual;
     EXPECT_LT((flat(solution.back().displacements()) - flat(solution.front().displacements())).norm(), 1e-9);
+    EXPECT_GT((flat(solution.back().displacements()) - flat(start.displacements())).norm(), 0.01);
   }
 }
 
@@ -115,13 +93,6 @@ SoftBody<Scalar, Element> bar(const Material& material) {
       Element::order == 1 ? std::array<Index, 3>{8, 2, 2} : std::array<Index, 3>{5, 1, 1};
   return must(SoftBody<Scalar, Element>::create(
       testing::block<Scalar, Element>({.corner = {0, -0.1, -0.1}, .size = {1, 0.2, 0.2}, .cells = cells}), material));
-}
-
-template <class Body>
-double max_speed(const Body& body) {
-  double largest = 0;
-  for (const auto& v : body.velocities()) largest = std::max(largest, double(v.norm()));
-  return largest;
 }
 
 /// A bar held at several times its length comes to rest, with the default options too: one plain solve a step buzzes
@@ -147,15 +118,12 @@ TYPED_TEST(NewtonSteps, AStretchedBarComesToRest) {
       }
       ImplicitEuler euler(body, testing::solver(), newton);
       for (int step = 0; step < 120; ++step) EXPECT_TRUE(euler.step(body, Scalar(1.0 / 60)).accepted());
-      return max_speed(body);
+      return testing::max_speed(body);
     };
     const double resting = sizeof(Scalar) == 4 ? 1e-3 : 1e-6;  // m/s; float rounds positions to 1e-7 m, 1e-5 m/s
     EXPECT_LT(speed_with({}), resting) << "x" << held.stretch;
     EXPECT_LT(speed_with({.iterations = 10, .tangent = Tangent::consistent}), resting) << "x" << held.stretch;
-    const double buzz = speed_with({.tangent = Tangent::warped, .bounds_energy = false});
-    std::printf("held at %g times its length, nu %g: speed %.1e m/s (plain tangent: %.1e)\n", held.stretch,
-                held.poisson, speed_with({}), buzz);
-    plain = std::max(plain, buzz);
+    plain = std::max(plain, speed_with({.tangent = Tangent::warped, .bounds_energy = false}));
   }
   EXPECT_GT(plain, 1) << "the cases must be hard";
 }
@@ -194,12 +162,10 @@ TYPED_TEST(NewtonSteps, AFreeBlockKeepsItsSpinWithTheDefaultOptions) {
   const double kept = spin_kept<ImplicitEuler<Body>>(block, by_itself({}));
   EXPECT_GT(kept, 0.99);
   EXPECT_LT(kept, 1.01);
-  const double second_order = spin_kept<Bdf2<Body>>(block, by_itself({}));
-  EXPECT_GT(second_order, 0.95);
-  std::printf("spin kept by itself: backward Euler %.4f (exact tangent, one solve %.4f, converged %.4f), BDF2 %.4f\n",
-              kept, spin_kept<ImplicitEuler<Body>>(block, by_itself({.tangent = Tangent::consistent})),
-              spin_kept<ImplicitEuler<Body>>(block, by_itself({.iterations = 10, .tangent = Tangent::consistent})),
-              second_order);
+  EXPECT_GT(spin_kept<Bdf2<Body>>(block, by_itself({})), 0.95);
+  EXPECT_LT(spin_kept<ImplicitEuler<Body>>(block, by_itself({.tangent = Tangent::consistent})), kept);
+  EXPECT_LT(spin_kept<ImplicitEuler<Body>>(block, by_itself({.iterations = 10, .tangent = Tangent::consistent})), 0.9)
+      << "the case must tell";
 }
 
 /// A free block that is kicked at random, spins by half a rad a step, flies, is pulled round and damped has the angular
@@ -261,7 +227,8 @@ TYPED_TEST(NewtonSteps, AnIndefiniteHessianIsProjectedAndNotRefused) {
       EXPECT_TRUE(report.newton_converged) << "step " << step;
       EXPECT_EQ(report.inverted_elements, 0);
     }
-    EXPECT_LT(max_speed(body), 0.1);
+    EXPECT_LT(testing::max_speed(body), 0.1);
+    EXPECT_GT(double(body.displacements()[at(body.mesh().nearest_vertex({0.5, 0, 0}))].y()), 0.1) << "it has buckled";
   }
 }
 
@@ -287,7 +254,7 @@ TYPED_TEST(NewtonSteps, SayWhetherTheyConverged) {
     report = many.step(resting, Scalar(0.2));
     EXPECT_TRUE(report.newton_converged) << "step " << step << " residual " << report.newton_residual;
   }
-  EXPECT_LT(max_speed(resting), 1e-3);
+  EXPECT_LT(testing::max_speed(resting), 1e-3);
 
   const auto before = body;
   for (const StepOptions& bad : {StepOptions{.iterations = 0}, StepOptions{.tolerance = 0}, StepOptions{.tolerance = 1},

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <string>
 #include <utility>
@@ -18,6 +17,7 @@
 
 #include "support/bodies.hpp"
 #include "support/random_mesh.hpp"
+#include "support/seeds.hpp"
 
 namespace corotet::random_steps_test {
 namespace {
@@ -171,15 +171,10 @@ TYPED_TEST_SUITE(RandomSteps, Steppers);
 
 TYPED_TEST(RandomSteps, EndFiniteAsReportedAndTheSameAgain) {
   using Body = typename TypeParam::Body;
-  const char* const wanted = std::getenv("COROTET_TEST_SEED");
-  const unsigned first = wanted == nullptr ? 1 : static_cast<unsigned>(std::strtoul(wanted, nullptr, 10));
-  const unsigned last = wanted == nullptr ? 60 : first;
-  for (unsigned seed = first; seed <= last; ++seed) {
-    SCOPED_TRACE("to replay: COROTET_TEST_SEED=" + std::to_string(seed));
+  testing::for_seeds(60, [](unsigned seed) {
     const Trace trace = run<typename TypeParam::Integrator, Body>(seed);
     EXPECT_EQ((run<typename TypeParam::Integrator, Body>(seed).numbers), trace.numbers);
-    if (this->HasFailure()) return;
-  }
+  });
 }
 
 }  // namespace

@@ -135,6 +135,7 @@ TYPED_TEST(Scale, ExtremeBodiesStepOrSayWhyNot) {
             ASSERT_TRUE(flat(body.displacements()).allFinite() && flat(body.velocities()).allFinite());
             EXPECT_TRUE(report.converged) << "size " << size << " E " << young << " density " << density;
           }
+          EXPECT_GT(testing::max_displacement(body), 0) << "size " << size << " E " << young << " density " << density;
         }
 }
 

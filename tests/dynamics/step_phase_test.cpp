@@ -59,6 +59,7 @@ TEST(StepPhase, ObservingChangesNoBit) {
   }
   EXPECT_EQ(observed.displacements(), alone.displacements());
   EXPECT_EQ(observed.velocities(), alone.velocities());
+  EXPECT_NE(alone.velocities(), hanging_block().velocities()) << "the case must tell";
 }
 
 /// Motion, and steps that vary a little, go on with what was factored; anything else begins a new era.

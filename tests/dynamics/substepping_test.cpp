@@ -78,6 +78,7 @@ TYPED_TEST(Adaptive, DoesWhatTheIntegratorDoesWhereThatCanBeTrusted) {
     EXPECT_EQ(report.max_strain, expected.max_strain);
   }
   expect_same_state(body, plain);
+  EXPECT_GT(testing::max_displacement(plain), 0.1) << "the case must tell";
 }
 
 /// A jump of the pins that strains elements too far in one step: kept and named, refused, or gone through in parts.

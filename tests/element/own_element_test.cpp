@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "support/bodies.hpp"
+#include "support/derivatives.hpp"
 #include "support/elastic_rig.hpp"
 #include "support/matrices.hpp"
 #include "support/solver_choice.hpp"
@@ -179,22 +180,10 @@ template <class Law>
 void expect_derivatives(VolumetricStrain volumetric_strain) {
   const auto mesh = hex_mesh({1, 0.7, 0.5}, {2, 1, 1}, 0.2);
   Rig<double, Hex8, Law> rig(mesh, rubber, volumetric_strain, Tangent::consistent);
-  const Index dofs = 3 * mesh.vertex_count();
   const Mat3<double> affine = testing::Random(2).rotation() * testing::diagonal({1.2, 0.9, 1.1});
   Field<double> u = testing::displacement_of(mesh, [&](const Vec3<double>& x) { return affine * x; });
   flat(u) += flat(testing::random_field<double>(mesh.vertex_count(), 0.03, 3));
-  const Eigen::MatrixXd matrix = rig.dense_stiffness(u);
-  const Field<double> force = rig.force(u);
-  const double h = 1e-6;
-  for (int c = 0; c < dofs; ++c) {
-    Field<double> forward = u, backward = u;
-    flat(forward)[c] += h;
-    flat(backward)[c] -= h;
-    EXPECT_NEAR(flat(force)[c], -(rig.law.energy(forward) - rig.law.energy(backward)) / (2 * h),
-                1e-6 * flat(force).norm());
-    const Eigen::VectorXd column = -(flat(rig.force(forward)) - flat(rig.force(backward))) / (2 * h);
-    EXPECT_LT((matrix.col(c) - column).norm(), 1e-6 * matrix.norm());
-  }
+  testing::expect_derivatives(rig, u, 1e-6);
 }
 
 TEST(OwnElement, HasForcesAndTangentsThatAreDerivatives) {

@@ -65,6 +65,12 @@ TEST_F(TuneCommand, StaysWithinABudget) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
   EXPECT_LT(printed(outcome, "measured"), printed(outcome, "the scene")) << "with so much time it can do better";
   must("run tuned.json -o out");
+  // No step takes a nanosecond: nothing is written.
+  std::filesystem::remove(file("tuned.json"));
+  const Outcome missed = corotet("tune scenes/beam.json --budget-ms 1e-6 -o tuned.json --quick --minutes 5");
+  EXPECT_EQ(missed.exit_code, 1);
+  EXPECT_NE(missed.err.find("a step within 1e-06 ms is not reached; the nearest: "), std::string::npos) << missed.err;
+  EXPECT_FALSE(exists("tuned.json"));
 }
 
 TEST_F(TuneCommand, SaysWhatItCannotDo) {

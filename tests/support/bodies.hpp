@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "stress/energy_watch.hpp"
 #include "support/random.hpp"
 
 namespace corotet::testing {
@@ -115,23 +116,33 @@ double energy(const Body& body) {
   return sum;
 }
 
-/// How far a body's energy has ever risen above its least before, J.
-class EnergyWatch {
- public:
-  template <class Body>
-  explicit EnergyWatch(const Body& body) : least_(energy(body)) {}
-  template <class Body>
-  void see(const Body& body) {
-    const double now = energy(body);
-    rise_ = std::max(rise_, now - least_);
-    least_ = std::min(least_, now);
-  }
-  [[nodiscard]] double rise() const { return rise_; }
-  [[nodiscard]] double least() const { return least_; }
+using program::stress::EnergyWatch;
 
- private:
-  double rise_ = 0, least_;
-};
+/// kg m/s.
+template <class Body>
+Vec3<double> linear_momentum(const Body& body) {
+  Vec3<double> sum = Vec3<double>::Zero();
+  for (Index v = 0; v < body.vertex_count(); ++v)
+    sum += body.mass().row_product(*body.pattern(), v, body.velocities()).template cast<double>();
+  return sum;
+}
+
+/// The largest displacement from rest, m: for tests that two ways lead to the same state, which they do as well where
+/// nothing moves.
+template <class Body>
+double max_displacement(const Body& body) {
+  double largest = 0;
+  for (const auto& u : body.displacements()) largest = std::max(largest, double(u.norm()));
+  return largest;
+}
+
+/// m/s.
+template <class Body>
+double max_speed(const Body& body) {
+  double largest = 0;
+  for (const auto& v : body.velocities()) largest = std::max(largest, double(v.norm()));
+  return largest;
+}
 
 /// About the centre of mass, kg m^2/s.
 template <class Body>
