@@ -82,7 +82,8 @@ struct PrincipalPoint {
     const Mat3<double> inverse = point.inverse_jacobian.lane(lane);
     for (std::size_t a = 0; a < Element::nodes; ++a) {
       const Index vertex = rig.mesh.element(e)[a];
-      const Vec3<double> of_vertex = inverse.transpose() * Vec3<double>::load(corotet::detail::natural_gradients<Element>[q][a].data());
+      const Vec3<double> of_vertex =
+          inverse.transpose() * Vec3<double>::load(corotet::detail::natural_gradients<Element>[q][a].data());
       gradient.col(vertex) = as_eigen(of_vertex);
       f += displacement[at(vertex)] * of_vertex.transpose();
     }
