@@ -40,7 +40,7 @@ SurfaceMesh make_cushion() {
   SurfaceMesh skin;
   for (Index i = 0; i <= rings; ++i)
     for (Index j = 0; j < sides; ++j) {
-      const double polar = std::numbers::pi * (i + 0.02) / (rings + 0.04), angle = 2 * std::numbers::pi * j / sides;
+      const double polar = std::numbers::pi * (i + 1e-9) / (rings + 2e-9), angle = 2 * std::numbers::pi * j / sides;
       const double x = rounded(std::sin(polar)) * rounded(std::cos(angle));
       const double y = rounded(std::sin(polar)) * rounded(std::sin(angle));
       const double stitch = 0.05 * std::pow(std::cos(6 * x) * std::cos(6 * y), 4);

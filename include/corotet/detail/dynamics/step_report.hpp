@@ -19,7 +19,7 @@ enum class StepError : std::uint8_t {
   newton_options,    ///< the tolerance or iteration limit of Newton's method is out of range
   solver_breakdown,  ///< the matrix is not positive definite, or its entries left the range of the scalar
   overflow,          ///< the new velocity is not finite in this precision
-  unreliable         ///< by SubsteppingIntegrator, for the reason in `distrust`
+  unreliable         ///< by SubsteppingIntegrator, for the reason in `warning`
 };
 
 /// Why SubsteppingIntegrator does not trust a step that the integrator did not refuse.
@@ -34,7 +34,7 @@ enum class StepWarning : std::uint8_t {
 /// refused it; if SubsteppingIntegrator did, it is of the state that was thrown away.
 struct StepReport {
   StepError error = StepError::none;  ///< why the step was refused; none: accepted
-  Index vertex = -1;                  ///< the culprit, where `refusal` names one
+  Index vertex = -1;                  ///< the culprit, where `error` names one
   bool converged = true;              ///< each linear solve reached its tolerance
   SolveStatus solve =
       SolveStatus::converged;    ///< how the last linear solve ended that did not converge, or the last at its limit

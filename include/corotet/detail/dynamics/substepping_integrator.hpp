@@ -20,7 +20,7 @@
 
 namespace corotet::inline v0_1 {
 
-/// What becomes of a step that cannot be trusted. StepReport::distrust says why in each case.
+/// What becomes of a step that cannot be trusted. StepReport::warning says why in each case.
 enum class OnUnreliable : std::uint8_t {
   accept,  ///< the body is where the step took it
   refuse,  ///< the body is where it was: StepError::unreliable
