@@ -104,7 +104,8 @@ namespace detail {
 /// Any collider; constant, and shared by copies.
 class AnyCollider {
  public:
-  template <Collider Shape>
+  template <class Shape>
+    requires(!std::same_as<Shape, AnyCollider>) && Collider<Shape>
   COROTET_COLD explicit AnyCollider(Shape shape) : shape_(std::make_shared<const Model<Shape>>(std::move(shape))) {}
 
   [[nodiscard]] SurfaceDistance operator()(const Vec3<double>& point) const { return shape_->distance(point); }
