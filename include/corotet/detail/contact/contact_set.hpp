@@ -50,8 +50,6 @@ class ContactSet {
   [[nodiscard]] std::vector<PointContact>& contacts() { return contacts_; }
   [[nodiscard]] const std::vector<PointContact>& contacts() const { return contacts_; }
   [[nodiscard]] std::size_t capacity() const { return capacity_; }
-  /// Whether the body may touch a free obstacle in this step.
-  [[nodiscard]] bool is_near_free() const { return is_near_free_; }
   /// Contacts that found no place in this step.
   [[nodiscard]] Index dropped() const { return dropped_; }
 
@@ -74,7 +72,6 @@ class ContactSet {
     reserve();
     contacts_.clear();
     dropped_ = 0;
-    is_near_free_ = false;
     h_ = double(start.h);
     for (std::size_t v = 0; v < predicted_.size(); ++v)
       if (const auto vertex = static_cast<Index>(v); start.contains(vertex))
@@ -101,7 +98,6 @@ class ContactSet {
       const double path = farthest + h_ * speed;  // of any point, at most
       const double clear = obstacle.distance(centre).distance - options_.margin - radius;
       const bool is_far = clear > reach_factor * path + near_distance();
-      is_near_free_ = is_near_free_ || (!is_far && obstacle.is_free());
       for (Index p = 0; p < points_.size(); ++p) {
         if (!is_here(p, start)) continue;
         if (is_far)
@@ -216,7 +212,6 @@ class ContactSet {
   std::vector<Vec3<double>> predicted_;              // where vertices would be after the step by their velocities, m
   double h_ = 0;
   Index dropped_ = 0;
-  bool is_near_free_ = false;
 };
 
 }  // namespace corotet::inline v0_1::detail

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
-#include <corotet/detail/contact/contact_compliance.hpp>
 #include <corotet/detail/contact/contact_options.hpp>
 #include <corotet/detail/contact/contact_points.hpp>
 #include <corotet/detail/contact/contact_set.hpp>
@@ -61,7 +60,7 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
   }
 
   void begin_step(const TermState<Scalar>& start) override;
-  [[nodiscard]] bool needs_first_order() const override { return has_jumped_ || set_.is_near_free(); }
+  [[nodiscard]] bool needs_first_order() const override { return has_jumped_ || !free_.empty(); }
   void add_force(const TermState<Scalar>& state, TermForces<Scalar>& out) override;
   [[nodiscard]] bool linearize(PassSystem<Scalar>& system) override;
   [[nodiscard]] bool revise(const PassSystem<Scalar>& system, double error) override;
@@ -243,16 +242,22 @@ void Contacts<Scalar>::choose_springs(const PassSystem<Scalar>& system) {
 template <std::floating_point Scalar>
 void Contacts<Scalar>::choose_spring(Contact& contact, const PassSystem<Scalar>& system) {
   const Vec3<double> normal = in_frame(contact.normal);
-  detail::ContactCompliance compliance;
+  const BlockPattern& pattern = system.matrix.pattern();
+  double along = 0, across = 0;  // compliance of the diagonal, 1/kg
   for_carriers(contact, [&](Index v, double weight) {
-    compliance.add(system.matrix, *linearized_.mass, static_cast<Index>(linearized_.index(v)),
-                   weight * weight * (std::max)(1.0, share_[at(v)]), normal);
+    const auto row = static_cast<Index>(linearized_.index(v));
+    const Mat3<double> inverse = system.matrix.diagonal(row).template cast<double>().inverse();
+    const double share = weight * weight * (std::max)(1.0, share_[at(v)]), here = normal.dot(inverse * normal);
+    // The mass alone has this one. A consistent tangent that is indefinite may have a larger one, or none.
+    const double most = 1 / double(linearized_.mass->factor(pattern, row, pattern.diagonal[at(row)]));
+    const auto bounded = [most](double compliance) { return compliance > 0 ? (std::min)(compliance, most) : most; };
+    along += share * bounded(here);
+    across += share * bounded((inverse.trace() - here) / 2);
   });
-  const double other = set_.obstacle_of(contact).mass();
-  if (compliance.is_held && !(other > 0)) return contact.release();  // neither gives way: no force could part them
-  const double mass = other > 0 ? 1 / (1 / linearized_.mass->total() + 1 / other) : linearized_.mass->total();
-  contact.kappa = (std::min)(1 / compliance.along, spring_cap_ * mass);
-  contact.kappa_t = (std::min)(1 / compliance.across, spring_cap_ * mass);
+  double mass = linearized_.mass->total();
+  if (const double other = set_.obstacle_of(contact).mass(); other > 0) mass = 1 / (1 / mass + 1 / other);
+  contact.kappa = (std::min)(1 / along, spring_cap_ * mass);
+  contact.kappa_t = (std::min)(1 / across, spring_cap_ * mass);
 }
 
 template <std::floating_point Scalar>

@@ -396,30 +396,26 @@ class StepSolver {
       return (body.pins().targets()[slot][i] - step.x_history[at(vertex)][i]) / step.gamma;
     }
 
-    /// Takes a fraction of the change, or less where a term says so; momentum is balanced for the whole change, and so
-    /// once more for a fraction of it. Returns what is then left to take: all.
+    /// Takes a fraction of the change, or less where a term says so. Returns what is then left to take: all.
     COROTET_COLD double apply_to_terms(double fraction) {
       for (Vec3<Scalar>& d : s.change_) d *= static_cast<Scalar>(fraction);
-      const bool is_limited = limit_change();
+      limit_change();
       find_impulses();
-      if (fraction < 1 && !is_limited && body.pins().vertices().empty())
-        s.equation_.project_linear_momentum(body, step, s.velocity_, s.change_, context.executor);
       return 1;
     }
 
-    /// Shortens the change to what the terms allow of the way from where they are linearised. False if that is all.
-    COROTET_COLD bool limit_change() {
+    /// Shortens the change to what the terms allow of the way from where they are linearised.
+    COROTET_COLD void limit_change() {
       Field<Scalar>& there = s.equation_.terms().scratch();
       for (Index i = 0; i < body.vertex_count(); ++i)
         there[at(i)] = step.x_history[at(i)] + step.gamma * (s.velocity_[at(i)] + s.change_[at(i)]);
       const auto to = s.equation_.state(body, step, there, s.velocity_, context.executor);
       const auto safe = static_cast<Scalar>(s.equation_.terms().max_safe_fraction(state(), to));
-      if (!(safe < 1)) return false;
+      if (!(safe < 1)) return;
       for (Index i = 0; i < body.vertex_count(); ++i) {
         Vec3<Scalar>& d = s.change_[at(i)];
         d = at_rest ? Vec3<Scalar>(safe * (s.velocity_[at(i)] + d) - s.velocity_[at(i)]) : Vec3<Scalar>(safe * d);
       }
-      return true;
     }
   };
 
