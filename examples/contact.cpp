@@ -86,8 +86,8 @@ bool run(const std::string& folder, int frames) {
   Obstacles obstacles;
   obstacles.gravity = {0, 0, -9.81};
   obstacles.add(HalfSpace{});
-  const Index crate = obstacles.add(OrientedBox{crate_half}, {.pose = {.position = {0.05, 0.03, 1.2}}, .mass = 10});
-  Contacts<float> contacts(ContactPoints(*skin, body->mesh()), obstacles, {.friction = 0.6});
+  const Index crate = obstacles.add(OrientedBox{crate_half}, {.pose = {.position = {0.02, 0.01, 0.75}}, .mass = 10});
+  Contacts<float> contacts(ContactPoints(*skin, body->mesh()), obstacles, {.friction = 0.8});
 
   const auto side = PointLocator(*cage).locate(Vec3<double>(0, -half.y(), height));
   Attachment<float> hand(side, {.stiffness = 1e3, .damping = 50});
@@ -109,7 +109,7 @@ bool run(const std::string& folder, int frames) {
   for (int frame = 0; frame < frames; ++frame) {
     const double pull = (frame - 150) / 60.0;  // s
     hand.enabled = pull > 0;
-    hand.set_target({0, -half.y() - 0.2 * pull, half.z() + 0.2 * pull}, {0, -0.2, 0.2});
+    hand.set_target({0, -half.y() - 0.1 * pull, half.z() + 0.1 * pull}, {0, -0.1, 0.1});
     const StepReport report = euler.step(*body, 1.0f / 60, context);
     if (!report.ok()) std::fprintf(stderr, "frame %d: %s\n", frame, report.advice());
     if (!report.accepted()) return false;
