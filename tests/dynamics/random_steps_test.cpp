@@ -73,12 +73,12 @@ Deformation deformation_of(const Body& body) {
   for (Index e = 0; e < body.mesh().element_count(); ++e) {
     double least = 1, rounding = 0;
     for (std::size_t q = 0; q < points; ++q) {
-      const auto rest = detail::jacobian(detail::natural_gradients<Element>[q],
-                                         [&](std::size_t a) { return body.mesh().node_position(e, a); });
+      const auto rest = detail::jacobian(detail::natural_gradients<Element>[q], body.mesh().node_positions(e));
       const Mat3<double> to_rest = rest.inverse();
-      const auto displaced = detail::jacobian(detail::natural_gradients<Element>[q], [&](std::size_t a) {
-        return body.displacements()[at(body.mesh().element(e)[a])].template cast<double>();
-      });
+      std::array<Vec3<double>, Element::nodes> u;
+      for (std::size_t a = 0; a < u.size(); ++a)
+        u[a] = body.displacements()[at(body.mesh().element(e)[a])].template cast<double>();
+      const auto displaced = detail::jacobian(detail::natural_gradients<Element>[q], u);
       const Mat3<double> f = Mat3<double>::Identity() + displaced * to_rest;
       const double largest = f.norm();
       least = std::min(least, f.determinant());

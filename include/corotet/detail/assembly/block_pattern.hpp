@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <corotet/detail/core/assert.hpp>
+#include <corotet/detail/core/buffer.hpp>
 #include <corotet/detail/core/compiler.hpp>
+#include <corotet/detail/core/index_list.hpp>
 #include <corotet/detail/core/memory_use.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <numeric>
@@ -37,7 +39,7 @@ struct BlockPattern {
     Index slot;    ///< its place in `column`
     Index mirror;  ///< the place of block (col, row); the same as `slot` on the diagonal
   };
-  std::vector<UpperBlock> upper;          ///< those blocks
+  detail::Buffer<UpperBlock> upper;       ///< those blocks
   std::vector<Index> contribution_start;  ///< upper.size() + 1 entries
   std::vector<Index> contribution;        ///< (element * nodes + a) * nodes + b
 
@@ -86,117 +88,120 @@ struct BlockPattern {
   /// elements; nothing is known of what contributes to those of `couplings`.
   /// O(elements * nodes^2 * log(blocks in a row)).
   template <std::size_t N>
-  [[nodiscard]] COROTET_COLD static BlockPattern of(const std::vector<std::array<Index, N>>& elements, Index vertices,
-                                                    const Stencils& groups = {}, const Stencils& couplings = {}) {
+  [[nodiscard]] static BlockPattern of(const std::vector<std::array<Index, N>>& elements, Index vertices,
+                                       const Stencils& groups = {}, const Stencils& couplings = {}) {
+    return of(elements.empty() ? nullptr : elements.front().data(), elements.size(), N, vertices, groups, couplings);
+  }
+
+ private:
+  /// Of elements of `nodes` vertices each.
+  [[nodiscard]] COROTET_COLD static BlockPattern of(const Index* vertex, std::size_t elements, std::size_t nodes,
+                                                    Index vertices, const Stencils& groups, const Stencils& couplings) {
     COROTET_ASSERT(groups.vertex.size() <= max_stencil_members, "too many groups for 32-bit indices");
     BlockPattern p;
-    p.find_incidence(elements, vertices);
-    p.find_blocks(elements, groups, couplings);
-    const auto code = [](std::size_t e, std::size_t a, std::size_t b) { return (e * N + a) * N + b; };
-    p.find_contributions(
-        [&](auto&& visit) {
-          for (std::size_t e = 0; e < elements.size(); ++e)
-            for (std::size_t a = 0; a < N; ++a)
-              for (std::size_t b = 0; b < N; ++b) visit(elements[e][a], elements[e][b], code(e, a, b));
-        },
-        elements.size() * N * (N + 1) / 2, p.contribution_start, p.contribution);
+    detail::find_places(vertex, elements * nodes, at(vertices), p.incidence_start, p.incidence);
+    p.find_blocks(vertex, nodes, groups, couplings);
+    Contributions all(p, elements * nodes * (nodes + 1) / 2);
+    for (std::size_t e = 0; e < elements; ++e)
+      for (std::size_t a = e * nodes; a < (e + 1) * nodes; ++a)
+        for (std::size_t b = 0; b < nodes; ++b) all.add(vertex[a], vertex[e * nodes + b], a * nodes + b);
+    all.sort(p.contribution_start, p.contribution);
     if (groups.count() > 0) p.find_stencil_contributions(groups);
     return p;
   }
 
- private:
-  template <std::size_t N>
-  COROTET_COLD void find_incidence(const std::vector<std::array<Index, N>>& elements, Index vertices) {
-    incidence_start.assign(at(vertices) + 1, 0);
-    for (const auto& nodes : elements)
-      for (const Index v : nodes) ++incidence_start[at(v) + 1];
-    std::partial_sum(incidence_start.begin(), incidence_start.end(), incidence_start.begin());
-    incidence.resize(elements.size() * N);
-    std::vector<Index> next(incidence_start.begin(), incidence_start.end() - 1);
-    for (std::size_t e = 0; e < elements.size(); ++e)
-      for (std::size_t a = 0; a < N; ++a) incidence[at(next[at(elements[e][a])]++)] = static_cast<Index>(e * N + a);
-  }
+  /// The groups of each vertex.
+  struct GroupsOfVertices {
+    std::vector<Index> start, place, group;  // group: of each member of a group, `place` among these
 
-  template <std::size_t N>
-  COROTET_COLD void find_blocks(const std::vector<std::array<Index, N>>& elements, const Stencils& groups,
+    COROTET_COLD GroupsOfVertices(const Stencils& groups, std::size_t vertices) {
+      for (Index g = 0; g < groups.count(); ++g)
+        for (Index k = groups.start[at(g)]; k < groups.start[at(g) + 1]; ++k) group.push_back(g);
+      const Index first = group.empty() ? 0 : groups.start.front();
+      detail::find_places(groups.vertex.data() + first, group.size(), vertices, start, place);
+    }
+
+    /// Appends the members of all groups of a vertex.
+    COROTET_COLD void append_to(std::vector<Index>& row, const Stencils& groups, std::size_t vertex) const {
+      for (Index k = start[vertex]; k < start[vertex + 1]; ++k) {
+        const std::size_t g = at(group[at(place[at(k)])]);
+        detail::append(row, groups.vertex.data() + groups.start[g], at(groups.start[g + 1] - groups.start[g]));
+      }
+    }
+  };
+
+  COROTET_COLD void find_blocks(const Index* vertex, std::size_t nodes, const Stencils& groups,
                                 const Stencils& couplings) {
     const std::size_t n = incidence_start.size() - 1;
-    const auto groups_of_vertices = [n](const Stencils& several) {
-      std::vector<std::vector<Index>> groups_of(several.count() > 0 ? n : 0);
-      for (Index g = 0; g < several.count(); ++g)
-        for (Index k = several.start[at(g)]; k < several.start[at(g) + 1]; ++k)
-          groups_of[at(several.vertex[at(k)])].push_back(g);
-      return groups_of;
-    };
-    const auto groups_of = groups_of_vertices(groups), couplings_of = groups_of_vertices(couplings);
+    const GroupsOfVertices groups_of(groups, n), couplings_of(couplings, n);
     row_start.assign(1, 0);
     row_start.reserve(n + 1);
     diagonal.reserve(n);
     std::vector<Index> row;
     for (std::size_t i = 0; i < n; ++i) {
       row.clear();
-      for (Index k = incidence_start[i]; k < incidence_start[i + 1]; ++k) {
-        const auto& nodes = elements[at(incidence[at(k)]) / N];
-        row.insert(row.end(), nodes.begin(), nodes.end());
-      }
-      const auto add_groups = [&](const Stencils& several, const std::vector<std::vector<Index>>& of_vertex) {
-        if (of_vertex.empty()) return;
-        for (const Index g : of_vertex[i])
-          row.insert(row.end(), several.vertex.begin() + several.start[at(g)],
-                     several.vertex.begin() + several.start[at(g) + 1]);
-      };
-      add_groups(groups, groups_of);
-      add_groups(couplings, couplings_of);
-      std::sort(row.begin(), row.end());
-      row.erase(std::unique(row.begin(), row.end()), row.end());
-      column.insert(column.end(), row.begin(), row.end());
+      for (Index k = incidence_start[i]; k < incidence_start[i + 1]; ++k)
+        detail::append(row, vertex + at(incidence[at(k)]) / nodes * nodes, nodes);
+      groups_of.append_to(row, groups, i);
+      couplings_of.append_to(row, couplings, i);
+      detail::sort_and_unite(row);
+      detail::append(column, row);
       row_start.push_back(size_of(column));
       diagonal.push_back(slot(static_cast<Index>(i), static_cast<Index>(i)));
     }
-    for (Index i = 0; i < rows(); ++i)
-      for (Index k = diagonal[at(i)]; k < row_start[at(i) + 1]; ++k) upper.push_back({k, slot(column[at(k)], i)});
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < n; ++i) count += at(row_start[i + 1] - diagonal[i]);
+    upper = detail::Buffer<UpperBlock>(count);
+    for (Index i = rows(), u = static_cast<Index>(count); i-- > 0;)
+      for (Index k = row_start[at(i) + 1]; k-- > diagonal[at(i)];) upper[at(--u)] = {k, slot(column[at(k)], i)};
   }
 
   static constexpr Index code_range = 2 * Stencils::max_vertices;
 
   COROTET_COLD void find_stencil_contributions(const Stencils& groups) {
-    const auto code = [](Index row, Index column_place) {
-      return at(row) * at(code_range) + at(column_place - row + Stencils::max_vertices);
-    };
-    find_contributions(
-        [&](auto&& visit) {
-          for (Index g = 0; g < groups.count(); ++g)
-            for (Index a = groups.start[at(g)]; a < groups.start[at(g) + 1]; ++a)
-              for (Index b = groups.start[at(g)]; b < groups.start[at(g) + 1]; ++b)
-                visit(groups.vertex[at(a)], groups.vertex[at(b)], code(a, b));
-        },
-        groups.vertex.size(), stencil_contribution_start, stencil_contribution);
+    Contributions all(*this, groups.vertex.size());
+    for (Index g = 0; g < groups.count(); ++g)
+      for (Index a = groups.start[at(g)]; a < groups.start[at(g) + 1]; ++a)
+        for (Index b = groups.start[at(g)]; b < groups.start[at(g) + 1]; ++b)
+          all.add(groups.vertex[at(a)], groups.vertex[at(b)],
+                  at(a) * at(code_range) + at(b - a + Stencils::max_vertices));
+    all.sort(stencil_contribution_start, stencil_contribution);
   }
 
-  /// Sorts contributions by their block. `for_each_pair` visits (row vertex, column vertex, code) of each, below the
-  /// diagonal too, twice in the same order; about `expected` of them are not below it.
-  template <class ForEachPair>
-  COROTET_COLD void find_contributions(const ForEachPair& for_each_pair, std::size_t expected,
-                                       std::vector<Index>& start, std::vector<Index>& list) const {
-    std::vector<Index> upper_of_slot(column.size(), -1);
-    for (std::size_t u = 0; u < upper.size(); ++u) upper_of_slot[at(upper[u].slot)] = static_cast<Index>(u);
+  /// What is added to blocks on or above the diagonal.
+  class Contributions {
+   public:
+    /// About `expected` of them.
+    COROTET_COLD Contributions(const BlockPattern& pattern, std::size_t expected)
+        : pattern_(pattern), upper_of_slot_(pattern.column.size(), -1) {
+      for (std::size_t u = 0; u < pattern.upper.size(); ++u)
+        upper_of_slot_[at(pattern.upper[u].slot)] = static_cast<Index>(u);
+      target_.reserve(expected);
+      code_.reserve(expected);
+    }
 
-    start.assign(upper.size() + 1, 0);
-    std::vector<Index> target;  // the upper block of each contribution, in the order of the visits
-    target.reserve(expected);
-    for_each_pair([&](Index i, Index j, std::size_t) {
+    /// One of the vertices i and j, unless it lies below the diagonal.
+    void add(Index i, Index j, std::size_t code) {
       if (i > j) return;
-      target.push_back(upper_of_slot[at(slot(i, j))]);
-      ++start[at(target.back()) + 1];
-    });
-    std::partial_sum(start.begin(), start.end(), start.begin());
-    list.resize(target.size());
-    std::vector<Index> next(start.begin(), start.end() - 1);
-    std::size_t k = 0;
-    for_each_pair([&](Index i, Index j, std::size_t code) {
-      if (i <= j) list[at(next[at(target[k++])]++)] = static_cast<Index>(code);
-    });
-  }
+      target_.push_back(upper_of_slot_[at(pattern_.slot(i, j))]);
+      code_.push_back(static_cast<Index>(code));
+    }
+
+    /// The codes of each upper block, in the order in which they were added.
+    COROTET_COLD void sort(std::vector<Index>& start, std::vector<Index>& list) const {
+      start.assign(pattern_.upper.size() + 1, 0);
+      for (const Index u : target_) ++start[at(u) + 1];
+      std::partial_sum(start.begin(), start.end(), start.begin());
+      list.resize(target_.size());
+      std::vector<Index> next(start.begin(), start.end() - 1);
+      for (std::size_t k = 0; k < target_.size(); ++k) list[at(next[at(target_[k])]++)] = code_[k];
+    }
+
+   private:
+    const BlockPattern& pattern_;
+    std::vector<Index> upper_of_slot_;
+    std::vector<Index> target_, code_;  // of each contribution, in the order of the calls
+  };
 };
 
 }  // namespace corotet::inline v0_1

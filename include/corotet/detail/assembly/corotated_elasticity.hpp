@@ -88,7 +88,7 @@ class CorotatedElasticity {
   [[nodiscard]] const Buffer<Batch>& batches() const { return batches_; }
   [[nodiscard]] const MeanDilatation<Scalar, Element>& mean_dilatation() const { return mean_; }
   /// Vertices that the matrix couples besides those of an element: for BlockPattern::of.
-  [[nodiscard]] const Stencils& stencils() const { return mean_.patches().vertices; }
+  [[nodiscard]] Stencils stencils() const { return mean_.stencils(); }
 
   /// Rotations, nodal forces and rotated gradients of every element at `displacement` (m, one a vertex).
   void evaluate(const Field<Scalar>& displacement, Evaluation& out, ExecutorRef executor) const {
@@ -97,10 +97,11 @@ class CorotatedElasticity {
       for (Index b = begin; b < end; ++b) evaluate_batch(displacement, b, out, extremes);
       out.extremes[at(begin / batch_grain)] = extremes.of_all_lanes();
     });
-    if (mean_.on() && Mean::over_patches) {
-      mean_.finish(out, executor);
-      finish_batches(out, executor);
-    }
+    if constexpr (Mean::over_patches)
+      if (mean_.on()) {
+        mean_.finish(out, executor);
+        finish_batches(out, executor);
+      }
   }
 
   /// W, J: summed in double, in an order that depends on the body alone.
@@ -117,7 +118,8 @@ class CorotatedElasticity {
       for (Index b = begin; b < end; ++b) part += batch_energy(displacement, b, scratch);
       return part;
     });
-    if (mean_.on() && Mean::over_patches) sum += mean_.patches_energy(scratch, executor);
+    if constexpr (Mean::over_patches)
+      if (mean_.on()) sum += mean_.patches_energy(scratch, executor);
     return sum;
   }
 

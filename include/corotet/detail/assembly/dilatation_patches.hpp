@@ -34,9 +34,9 @@ struct DilatationPatches {
 ///  2. A patch of less than five elements joins the neighbour with which it shares most surface for its size, as long
 ///     as that gives at most twelve vertices.
 /// That leaves some six degrees of freedom for each patch of an unstructured mesh (docs/benchmarks/elements.md).
+template <std::floating_point Scalar, LinearTetrahedron Element>  // so that only who uses it compiles it
 class PatchGrower {
  public:
-  template <std::floating_point Scalar, LinearTetrahedron Element>
   explicit PatchGrower(const TetMesh<Scalar, Element>& mesh)
       : nodes_(mesh.elements()), patch_of_(nodes_.size(), none), volume_(nodes_.size()), neighbours_(nodes_.size()) {
     for (std::size_t e = 0; e < nodes_.size(); ++e)

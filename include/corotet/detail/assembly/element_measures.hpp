@@ -114,19 +114,21 @@ void element_measures(const Law& law, const Field<Scalar>& displacement, std::sp
   for_ranges(executor, size_of(law.batches()), Law::batch_grain, [&](Index begin, Index end) {
     for (Index b = begin; b < end; ++b) detail::measure_batch(law, displacement, b, out);
   });
-  constexpr Index patch_grain = 64;
-  for_ranges(executor, law.mean_dilatation().patches().count(), patch_grain, [&](Index begin, Index end) {
-    for (Index p = begin; p < end; ++p)
-      law.mean_dilatation().for_each_tension(
-          p, [&](Index e) { return out[at(e)].strain.trace(); },
-          [&](Index e, Scalar tension) {
-            const auto& point = law.batches()[at(e / lane_count<Scalar>)].point[0];
-            const int l = e % lane_count<Scalar>;
-            const Scalar pressure = point.sqrt_mu_volume[l] * (point.sqrt_mu_volume[l] / point.volume[l]) * tension;
-            out[at(e)].stress += pressure * Mat3<Scalar>::Identity();
-            out[at(e)].energy_density += pressure * out[at(e)].strain.trace() / 2;
-          });
-  });
+  if constexpr (requires { law.mean_dilatation().patches(); }) {
+    constexpr Index patch_grain = 64;
+    for_ranges(executor, law.mean_dilatation().patches().count(), patch_grain, [&](Index begin, Index end) {
+      for (Index p = begin; p < end; ++p)
+        law.mean_dilatation().for_each_tension(
+            p, [&](Index e) { return out[at(e)].strain.trace(); },
+            [&](Index e, Scalar tension) {
+              const auto& point = law.batches()[at(e / lane_count<Scalar>)].point[0];
+              const int l = e % lane_count<Scalar>;
+              const Scalar pressure = point.sqrt_mu_volume[l] * (point.sqrt_mu_volume[l] / point.volume[l]) * tension;
+              out[at(e)].stress += pressure * Mat3<Scalar>::Identity();
+              out[at(e)].energy_density += pressure * out[at(e)].strain.trace() / 2;
+            });
+    });
+  }
 }
 
 }  // namespace corotet::inline v0_1

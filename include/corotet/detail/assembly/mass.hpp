@@ -34,10 +34,10 @@ class Mass {
   template <ReferenceElement Element>
   COROTET_COLD Mass(const TetMesh<Scalar, Element>& mesh, const Materials& materials, MassModel model,
                     const BlockPattern& pattern)
-      : model_(model), row_sum_(at(mesh.vertex_count()), Scalar(0)) {
+      : model_(model), row_sum_(at(mesh.vertex_count())) {
     constexpr std::size_t n = Element::nodes;
-    detail::Buffer<double> factor(model == MassModel::lumped ? row_sum_.size() : at(pattern.blocks()), 0.0);
-    detail::Buffer<double> row_sum(row_sum_.size(), 0.0);
+    detail::Buffer<double> factor(model == MassModel::lumped ? row_sum_.size() : at(pattern.blocks()));
+    detail::Buffer<double> row_sum(row_sum_.size());
     for (Index e = 0; e < mesh.element_count(); ++e) {
       const auto& nodes = mesh.element(e);
       const ElementMass<n> m = element_mass(mesh, e, materials.of_element(at(e)).density);
@@ -55,7 +55,7 @@ class Mass {
         }
       }
     }
-    factor_.assign(factor.size(), Scalar(0));
+    factor_ = detail::Buffer<Scalar>(factor.size());
     for (std::size_t k = 0; k < factor.size(); ++k) factor_[k] = static_cast<Scalar>(factor[k]);
     const detail::Buffer<double>& weight = model == MassModel::lumped ? factor : row_sum;
     for (std::size_t v = 0; v < weight.size(); ++v) row_sum_[v] = static_cast<Scalar>(weight[v]);
@@ -106,11 +106,10 @@ class Mass {
   COROTET_COLD static ElementMass<std::size_t{Element::nodes}> element_mass(const TetMesh<Scalar, Element>& mesh,
                                                                             Index e, double density) {
     ElementMass<std::size_t{Element::nodes}> m;
+    const auto x = mesh.node_positions(e);
     for (const QuadraturePoint& point : Element::mass_points) {
       const auto shape = Element::shape(point.xi);
-      const auto position = [&](std::size_t a) { return mesh.node_position(e, a); };
-      const double mass =
-          density * point.weight * detail::jacobian(Element::gradient(point.xi), position).determinant();
+      const double mass = density * point.weight * detail::jacobian(Element::gradient(point.xi), x).determinant();
       m.total += mass;
       for (std::size_t a = 0; a < shape.size(); ++a)
         for (std::size_t b = 0; b < shape.size(); ++b) m.matrix[a][b] += mass * shape[a] * shape[b];

@@ -17,6 +17,7 @@
 #include <corotet/detail/mesh/tet_mesh.hpp>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 
 namespace corotet::inline v0_1 {
 
@@ -67,8 +68,18 @@ class MeanDilatation {
 
   [[nodiscard]] bool on() const { return on_; }
 
-  /// The patches; none for Tet10.
-  [[nodiscard]] const DilatationPatches& patches() const { return patches_; }
+  [[nodiscard]] const DilatationPatches& patches() const
+    requires over_patches
+  {
+    return patches_;
+  }
+  /// The vertices of each patch; none for Tet10.
+  [[nodiscard]] Stencils stencils() const {
+    if constexpr (over_patches)
+      return patches_.vertices;
+    else
+      return {};
+  }
 
   /// Of lambda / mu, the part that acts at each quadrature point.
   [[nodiscard]] double pointwise(double lame_ratio) const {
@@ -110,18 +121,9 @@ class MeanDilatation {
   };
   [[nodiscard]] OfBatch of_batch(const Batch& batch, Index b, const std::array<Mat3Lanes<Scalar>, Batch::points>& f,
                                  const std::array<Mat3Lanes<Scalar>, Batch::points>& r) const {
-    if (over_patches || !on_) return {};
-    L stiffness = 0, sum = 0;
-    for (std::size_t q = 0; q < Batch::points; ++q) {
-      const L root = batch.point[q].sqrt_mu_volume;
-      stiffness += root * root;
-      sum += root * root * corotational_strain(f[q], r[q]).trace();
-    }
-    stiffness = select(stiffness > 0, stiffness, L(1));  // lanes without an element
     OfBatch out;
-    out.tension = ratio_[at(b)] * sum / stiffness;
-    const L scale = sqrt(ratio_[at(b)] / stiffness);
-    for (std::size_t q = 0; q < Batch::points; ++q) out.factor[q] = scale * batch.point[q].sqrt_mu_volume;
+    if constexpr (!over_patches)
+      if (on_) find_own(batch, ratio_[at(b)], f, r, out);
     return out;
   }
 
@@ -169,12 +171,18 @@ class MeanDilatation {
   /// Vectors g that an evaluation keeps.
   [[nodiscard]] std::size_t gradient_count(Index elements) const {
     if (!on_) return 0;
-    return over_patches ? patches_.vertices.vertex.size() : at(elements) * Element::nodes;
+    if constexpr (over_patches)
+      return patches_.vertices.vertex.size();
+    else
+      return at(elements) * Element::nodes;
   }
 
   [[nodiscard]] std::size_t bytes() const {
-    return bytes_of(ratio_) + bytes_of(weight_) + bytes_of(local_) + bytes_of(patches_.start) +
-           bytes_of(patches_.element) + bytes_of(patches_.vertices.start) + bytes_of(patches_.vertices.vertex);
+    std::size_t bytes = bytes_of(ratio_);
+    if constexpr (over_patches)
+      bytes += bytes_of(weight_) + bytes_of(local_) + bytes_of(patches_.start) + bytes_of(patches_.element) +
+               bytes_of(patches_.vertices.start) + bytes_of(patches_.vertices.vertex);
+    return bytes;
   }
 
  private:
@@ -186,6 +194,20 @@ class MeanDilatation {
     Scalar trace;     // w / sqrt(sum w): of theta, sqrt(J)
     Scalar ratio;     // m / mu
   };
+
+  static void find_own(const Batch& batch, const L& ratio, const std::array<Mat3Lanes<Scalar>, Batch::points>& f,
+                       const std::array<Mat3Lanes<Scalar>, Batch::points>& r, OfBatch& out) {
+    L stiffness = 0, sum = 0;
+    for (std::size_t q = 0; q < Batch::points; ++q) {
+      const L root = batch.point[q].sqrt_mu_volume;
+      stiffness += root * root;
+      sum += root * root * corotational_strain(f[q], r[q]).trace();
+    }
+    stiffness = select(stiffness > 0, stiffness, L(1));  // lanes without an element
+    out.tension = ratio * sum / stiffness;
+    const L scale = sqrt(ratio / stiffness);
+    for (std::size_t q = 0; q < Batch::points; ++q) out.factor[q] = scale * batch.point[q].sqrt_mu_volume;
+  }
 
   void find_local_vertices(const TetMesh<Scalar, Element>& mesh) {
     local_ = Buffer<std::array<std::uint8_t, Element::nodes>>(patches_.element.size());
@@ -228,11 +250,15 @@ class MeanDilatation {
     for (Index i = 0; i < count; ++i) g[at(i)].store(state.mean_gradient(at(first + i)));
   }
 
+  struct None {};
+  template <class T>
+  using OfPatches = std::conditional_t<over_patches, T, None>;
+
   bool on_ = false;
   Buffer<L> ratio_;  // m / mu, one a batch
-  DilatationPatches patches_;
-  Buffer<Weight> weight_;                                   // one an element, in the order of the patches
-  Buffer<std::array<std::uint8_t, Element::nodes>> local_;  // of its nodes in the patch's vertices
+  OfPatches<DilatationPatches> patches_;
+  OfPatches<Buffer<Weight>> weight_;                                   // one an element, in their order
+  OfPatches<Buffer<std::array<std::uint8_t, Element::nodes>>> local_;  // of its nodes in the patch's vertices
 };
 
 }  // namespace detail

@@ -26,7 +26,7 @@ template <std::floating_point Scalar, ReferenceElement Element>
       Mat3<double> to_space = Mat3<double>::Identity();
       double weight = 0;
       if (exists) {
-        to_space = jacobian(natural_gradients<Element>[q], [&](std::size_t a) { return mesh.node_position(e, a); });
+        to_space = jacobian(natural_gradients<Element>[q], mesh.node_positions(e));
         weight = Element::stiffness_points[q].weight;
       }
       batch.point[q].inverse_jacobian.set_lane(l, to_space.inverse().template cast<Scalar>());

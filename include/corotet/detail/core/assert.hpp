@@ -1,6 +1,8 @@
 // Misuse that a programmer can prevent is an assertion, with a handler that the host program can replace.
 #pragma once
 
+#include <corotet/detail/core/compiler.hpp>
+
 namespace corotet::inline v0_1 {
 
 /// Called when an assertion fails. `expression` is the source text, `message` says what the caller should change.
@@ -21,6 +23,14 @@ using AssertHandler = void (*)(const char* expression, const char* message, cons
 /// The handler in force, program-wide. Assign to replace it, before other threads use the library.
 inline AssertHandler assert_handler = &trap_on_assert;
 
+namespace detail {
+
+COROTET_COLD inline void assertion_failed(const char* expression, const char* message, const char* file, int line) {
+  assert_handler(expression, message, file, line);
+}
+
+}  // namespace detail
+
 }  // namespace corotet::inline v0_1
 
 // Checks are on unless NDEBUG is set; either way the layout of every type and every result stay the same.
@@ -28,5 +38,5 @@ inline AssertHandler assert_handler = &trap_on_assert;
 #define COROTET_ASSERT(expression, message) static_cast<void>(0)
 #else
 #define COROTET_ASSERT(expression, message) \
-  ((expression) ? static_cast<void>(0) : ::corotet::assert_handler(#expression, message, __FILE__, __LINE__))
+  ((expression) ? static_cast<void>(0) : ::corotet::detail::assertion_failed(#expression, message, __FILE__, __LINE__))
 #endif

@@ -1,6 +1,7 @@
 // Numbers of one kind side by side, as many as were asked for.
 #pragma once
 
+#include <corotet/detail/core/compiler.hpp>
 #include <cstddef>
 #include <cstring>
 #include <new>
@@ -13,7 +14,7 @@ namespace corotet::inline v0_1::detail {
 class RawBuffer {
  public:
   RawBuffer() = default;
-  explicit RawBuffer(std::size_t size)
+  COROTET_NOINLINE explicit RawBuffer(std::size_t size)
       : data_(size == 0 ? nullptr : ::operator new(size, std::align_val_t{alignment})), size_(size) {}
   RawBuffer(const RawBuffer& other) : RawBuffer(other.size_) {
     if (size_ > 0) std::memcpy(data_, other.data_, size_);
@@ -34,6 +35,12 @@ class RawBuffer {
   }
   ~RawBuffer() {
     if (data_ != nullptr) ::operator delete(data_, std::align_val_t{alignment});
+  }
+
+  [[nodiscard]] COROTET_NOINLINE static RawBuffer zeros(std::size_t size) {
+    RawBuffer buffer(size);
+    if (size > 0) std::memset(buffer.data_, 0, size);
+    return buffer;
   }
 
   [[nodiscard]] void* data() const { return data_; }
@@ -57,6 +64,9 @@ class Buffer {
 
   Buffer() = default;
   /// Entries as T() makes them: numbers are 0.
+  explicit Buffer(std::size_t count)
+    requires(std::is_trivially_default_constructible_v<T>)
+      : bytes_(RawBuffer::zeros(count * sizeof(T))) {}
   explicit Buffer(std::size_t count) : Buffer(count, T()) {}
   Buffer(std::size_t count, const T& value) : bytes_(count * sizeof(T)) {
     for (std::size_t i = 0; i < count; ++i) ::new (static_cast<void*>(data() + i)) T(value);

@@ -7,6 +7,15 @@
 #define COROTET_ALWAYS_INLINE inline
 #endif
 
+// A function that many places call: not copied into them.
+#if defined(__GNUC__)
+#define COROTET_NOINLINE __attribute__((noinline))
+#elif defined(_MSC_VER)
+#define COROTET_NOINLINE __declspec(noinline)
+#else
+#define COROTET_NOINLINE
+#endif
+
 // A function that is seldom called: not inlined, and made small rather than fast.
 #if defined(__GNUC__)
 #define COROTET_COLD __attribute__((cold, noinline))

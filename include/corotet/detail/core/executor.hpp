@@ -3,11 +3,31 @@
 
 #include <algorithm>
 #include <concepts>
+#include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <memory>
 #include <type_traits>
 
 namespace corotet::inline v0_1 {
+
+namespace detail {
+
+/// Where an object lies, for a function that knows its type.
+template <class T>
+[[nodiscard]] void* address_of(T& object) {
+  return const_cast<void*>(static_cast<const void*>(std::addressof(object)));
+}
+
+/// Calls the F that lies at `object`. (A lambda for each F would cost three functions to compile, not one.)
+template <class Returned, class F, class... Arguments>
+Returned call_object(void* object, Arguments... arguments) {
+  if constexpr (std::is_void_v<Returned>)
+    (*static_cast<F*>(object))(arguments...);
+  else
+    return (*static_cast<F*>(object))(arguments...);
+}
+
+}  // namespace detail
 
 /// Refers to a callable task(i), which must outlive it.
 class TaskRef {
@@ -16,8 +36,7 @@ class TaskRef {
   template <std::invocable<Index> Task>
     requires(!std::same_as<std::remove_cvref_t<Task>, TaskRef>)
   TaskRef(Task&& task)  // NOLINT(google-explicit-constructor, bugprone-forwarding-reference-overload): as the task
-      : object_(const_cast<void*>(static_cast<const void*>(std::addressof(task)))),
-        call_([](void* object, Index i) { (*static_cast<std::remove_reference_t<Task>*>(object))(i); }) {}
+      : object_(detail::address_of(task)), call_(&detail::call_object<void, std::remove_reference_t<Task>, Index>) {}
 
   /// Runs the task with number `i`.
   void operator()(Index i) const { call_(object_, i); }
@@ -54,10 +73,8 @@ class ExecutorRef {
   template <class E>
     requires(!std::same_as<std::remove_cvref_t<E>, ExecutorRef> && Executor<std::remove_reference_t<E>>)
   ExecutorRef(E&& executor)  // NOLINT(google-explicit-constructor, bugprone-forwarding-reference-overload)
-      : object_(const_cast<void*>(static_cast<const void*>(std::addressof(executor)))),
-        run_([](void* object, Index count, TaskRef task) {
-          (*static_cast<std::remove_reference_t<E>*>(object))(count, task);
-        }) {}
+      : object_(detail::address_of(executor)),
+        run_(&detail::call_object<void, std::remove_reference_t<E>, Index, TaskRef>) {}
 
   /// Runs tasks 0 ... count - 1; returns when all have ended.
   void operator()(Index count, TaskRef task) const { run_(object_, count, task); }
@@ -81,17 +98,21 @@ struct RangeTask {
   }
 };
 
+/// for_ranges of a body whose type is forgotten.
+COROTET_NOINLINE inline void run_ranges(ExecutorRef executor, Index count, Index grain, void* body,
+                                        void (*call)(void*, Index, Index)) {
+  const RangeTask task{body, call, count, grain};
+  executor((count + grain - 1) / grain, task);
+}
+
 }  // namespace detail
 
 /// Splits [0, count) into ranges of `grain` and calls `body(begin, end)` for each. The ranges depend on `count` and
 /// `grain` alone, never on the number of threads, so that results are the same bits on any executor.
 template <std::invocable<Index, Index> Body>
 void for_ranges(ExecutorRef executor, Index count, Index grain, Body&& body) {
-  using Plain = std::remove_reference_t<Body>;
-  const detail::RangeTask task{const_cast<void*>(static_cast<const void*>(std::addressof(body))),
-                               [](void* object, Index begin, Index end) { (*static_cast<Plain*>(object))(begin, end); },
-                               count, grain};
-  executor((count + grain - 1) / grain, task);
+  detail::run_ranges(executor, count, grain, detail::address_of(body),
+                     &detail::call_object<void, std::remove_reference_t<Body>, Index, Index>);
 }
 
 }  // namespace corotet::inline v0_1

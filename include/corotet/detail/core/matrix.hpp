@@ -99,8 +99,12 @@ struct Matrix {
   /// The numbers that lie there, by columns.
   [[nodiscard]] static COROTET_ALWAYS_INLINE Matrix load(const T* numbers) {
     Matrix m;
-    COROTET_UNROLL
-    for (int i = 0; i < R * C; ++i) m.value_[i] = numbers[i];
+    if constexpr (R * C <= 16) {
+      COROTET_UNROLL
+      for (int i = 0; i < R * C; ++i) m.value_[i] = numbers[i];
+    } else {
+      for (int i = 0; i < R * C; ++i) m.value_[i] = numbers[i];
+    }
     return m;
   }
 
@@ -199,10 +203,15 @@ struct Matrix {
   /// Rows become columns.
   [[nodiscard]] COROTET_ALWAYS_INLINE constexpr Matrix<T, C, R> transpose() const {
     Matrix<T, C, R> m;
-    COROTET_UNROLL
-    for (int c = 0; c < C; ++c) {
+    if constexpr (R * C <= 16) {
       COROTET_UNROLL
-      for (int r = 0; r < R; ++r) m(c, r) = (*this)(r, c);
+      for (int c = 0; c < C; ++c) {
+        COROTET_UNROLL
+        for (int r = 0; r < R; ++r) m(c, r) = (*this)(r, c);
+      }
+    } else {
+      for (int c = 0; c < C; ++c)
+        for (int r = 0; r < R; ++r) m(c, r) = (*this)(r, c);
     }
     return m;
   }

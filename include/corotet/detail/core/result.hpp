@@ -33,7 +33,11 @@ struct Error {
   std::string reason;  ///< what was found there and what was expected
 
   /// One line for a user: `where: reason`.
-  [[nodiscard]] std::string message() const { return where.empty() ? reason : where + ": " + reason; }
+  [[nodiscard]] COROTET_COLD std::string message() const {
+    std::string all = where;
+    if (!where.empty()) all.append(": ", 2);
+    return all.append(reason.data(), reason.size());
+  }
 };
 
 namespace detail {
@@ -42,7 +46,8 @@ namespace detail {
 class OptionalError {
  public:
   OptionalError() = default;
-  explicit OptionalError(Error error) : error_(new Error(std::move(error))) {}
+  explicit OptionalError(const Error& error) : error_(copy(error)) {}
+  explicit OptionalError(Error&& error) : error_(move(std::move(error))) {}
   OptionalError(const OptionalError& other) : error_(other.error_ == nullptr ? nullptr : copy(*other.error_)) {}
   OptionalError(OptionalError&& other) noexcept : error_(std::exchange(other.error_, nullptr)) {}
   OptionalError& operator=(OptionalError other) noexcept {
@@ -57,6 +62,7 @@ class OptionalError {
 
  private:
   COROTET_COLD static Error* copy(const Error& error) { return new Error(error); }
+  COROTET_COLD static Error* move(Error&& error) { return new Error(std::move(error)); }
   COROTET_COLD static void destroy(Error* error) { delete error; }
 
   Error* error_ = nullptr;
@@ -76,7 +82,10 @@ class [[nodiscard]] Result {
   /// A success.
   Result(T value) : value_(std::move(value)), ok_(true) {}  // NOLINT(google-explicit-constructor)
   /// A failure.
-  Result(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
+  Result(const Error& error) : error_(error) {}        // NOLINT(google-explicit-constructor)
+  Result(Error&& error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
+  /// For the library: of an error that there is.
+  Result(detail::OptionalError error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
   /// Copies the value or the error.
   Result(const Result& other) : error_(other.error_) {
     if (other.ok_) hold(other.value_);
@@ -156,7 +165,9 @@ class [[nodiscard]] Result<void> {
  public:
   Result() = default;
   /// A failure.
-  Result(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor): as above
+  Result(const Error& error) : error_(error) {}                      // NOLINT(google-explicit-constructor): as above
+  Result(Error&& error) : error_(std::move(error)) {}                // NOLINT(google-explicit-constructor)
+  Result(detail::OptionalError error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
 
   /// Whether it succeeded.
   [[nodiscard]] bool ok() const { return error_.get() == nullptr; }

@@ -82,6 +82,7 @@ class BodyModel {
 
  private:
   COROTET_COLD BodyModel(Mesh mesh, const Materials& materials, const BodyOptions& options);
+  COROTET_COLD BodyModel(const BodyModel& other, const Materials& materials);
   COROTET_COLD void set_fingerprint();
   [[nodiscard]] COROTET_COLD static Result<void> check_couplings(const Stencils& couplings, Index vertices);
 
@@ -99,15 +100,29 @@ class BodyModel {
 // Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
 template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
 BodyModel<Scalar, Element, LawType>::BodyModel(Mesh mesh, const Materials& materials, const BodyOptions& options)
-    : mesh_(std::make_shared<const Mesh>(std::move(mesh))),
+    : mesh_(new Mesh(std::move(mesh))),  // std::make_shared takes several times as long to compile
       materials_(materials),
       options_(options),
       law_(*mesh_, materials, options.volumetric_strain),
-      pattern_(std::make_shared<const BlockPattern>(
+      pattern_(new BlockPattern(
           BlockPattern::of(mesh_->elements(), mesh_->vertex_count(), law_.stencils(), options.couplings))),
       mass_(*mesh_, materials, options.mass, *pattern_),
       hydraulic_diameter_(detail::hydraulic_diameter(*mesh_)),
       wave_transit_time_(corotet::detail::wave_transit_time(hydraulic_diameter_, materials, mesh_->element_count())) {
+  set_fingerprint();
+}
+
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+BodyModel<Scalar, Element, LawType>::BodyModel(const BodyModel& other, const Materials& materials)
+    : mesh_(other.mesh_),
+      materials_(materials),
+      options_(other.options_),
+      law_(other.law_),
+      pattern_(other.pattern_),
+      mass_(*mesh_, materials, options_.mass, *pattern_),
+      hydraulic_diameter_(other.hydraulic_diameter_),
+      wave_transit_time_(corotet::detail::wave_transit_time(hydraulic_diameter_, materials, mesh_->element_count())) {
+  law_.set_materials(materials);
   set_fingerprint();
 }
 
@@ -136,7 +151,7 @@ Result<std::shared_ptr<const BodyModel<Scalar, Element, LawType>>> BodyModel<Sca
   if (Result<void> s = materials.template validate<Scalar>(at(mesh.element_count())); !s) return s.error();
   for (const double damping : {options.damping.mass, options.damping.stiffness})
     if (!std::isfinite(damping) || damping < 0)
-      return detail::error(ErrorCode::invalid_argument, {"damping"}, {"must be >= 0 and finite"});
+      return detail::error(ErrorCode::invalid_argument, "damping", "must be >= 0 and finite");
   if (Result<void> s = check_couplings(options.couplings, mesh.vertex_count()); !s) return s.error();
   if (!Law::has_mean_dilatation && options.volumetric_strain != VolumetricStrain::pointwise)
     return detail::error(ErrorCode::unsupported, {"dilatation"},
@@ -162,16 +177,7 @@ template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawTy
 Result<std::shared_ptr<const BodyModel<Scalar, Element, LawType>>> BodyModel<Scalar, Element, LawType>::with_materials(
     const Materials& materials) const {
   if (Result<void> s = materials.template validate<Scalar>(at(mesh_->element_count())); !s) return s.error();
-  auto* const model = new BodyModel(*this);
-  const Pointer owner(model);
-  model->materials_ = materials;
-  model->law_.set_materials(materials);
-  model->mass_ = Mass<Scalar>(*mesh_, materials, options_.mass, *pattern_);
-  model->wave_transit_time_ =
-      corotet::detail::wave_transit_time(hydraulic_diameter_, materials, mesh_->element_count());
-  model->set_fingerprint();
-  model->revision_ = detail::new_revision();
-  return owner;
+  return Pointer(new BodyModel(*this, materials));
 }
 
 COROTET_INSTANCES_OF_ELEMENT(BodyModel)

@@ -150,8 +150,13 @@ class PinReactions {
           }
       }
     }
-    // Patches of mean dilatation: the sum of g g^T.
-    const Stencils& groups = body.law().stencils();
+    if constexpr (requires { body.law().mean_dilatation().patches(); })
+      add_damping_of_patches(body, body.law().mean_dilatation().patches().vertices, factor);
+  }
+
+  /// Of patches of mean dilatation: the sum of g g^T.
+  void add_damping_of_patches(const Body& body, const Stencils& groups, Scalar factor) {
+    const Field<Scalar>& v = body.velocities();
     const auto gradient = [&](Index k) { return Vec3<Scalar>::load(evaluation_.mean_gradient(at(k))); };
     for (Index g = 0; g < groups.count(); ++g) {
       Scalar rate = 0;

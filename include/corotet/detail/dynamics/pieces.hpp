@@ -4,12 +4,14 @@
 #include <corotet/detail/assembly/block_pattern.hpp>
 #include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/fixed_array.hpp>
+#include <corotet/detail/core/index_list.hpp>
 #include <corotet/detail/core/memory_use.hpp>
 #include <corotet/detail/core/revision.hpp>
 #include <corotet/detail/core/state_archive.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/material/material.hpp>
 #include <corotet/detail/terms/term_state.hpp>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -96,6 +98,10 @@ class Pieces {
     Body body;
     std::vector<Index> vertex;   // of the whole body
     std::vector<Index> element;  // of the whole body
+
+    Piece(const std::shared_ptr<const typename Body::Model>& model, std::vector<Index>& vertices,
+          std::vector<Index>& elements)
+        : body(model), vertex(std::move(vertices)), element(std::move(elements)) {}
   };
 
   /// Numbers the pieces by their first vertex. False if there is but one.
@@ -119,27 +125,29 @@ class Pieces {
   }
 
   COROTET_COLD void make_bodies(const Body& body) {
-    std::vector<std::vector<Index>> elements(at(piece_count_));
-    for (Index e = 0; e < body.mesh().element_count(); ++e)
-      elements[at(piece_of_[at(body.mesh().element(e)[0])])].push_back(e);
-    pieces_ = FixedArray<Piece>(elements.size());
-    for (std::vector<Index>& of_piece : elements) {
-      std::vector<Index> vertex;
+    std::vector<Index> piece_of_element(at(body.mesh().element_count())), start, element;
+    for (std::size_t e = 0; e < piece_of_element.size(); ++e)
+      piece_of_element[e] = piece_of_[at(body.mesh().element(static_cast<Index>(e))[0])];
+    find_places(piece_of_element.data(), piece_of_element.size(), at(piece_count_), start, element);
+    pieces_ = FixedArray<Piece>(at(piece_count_));
+    for (std::size_t p = 0; p < at(piece_count_); ++p) {
+      std::vector<Index> vertex, of_piece;
+      append(of_piece, element.data() + start[p], at(start[p + 1] - start[p]));
       auto mesh = body.mesh().part(of_piece, vertex);
       for (std::size_t i = 0; i < vertex.size(); ++i) local_[at(vertex[i])] = static_cast<Index>(i);
       auto options = body.model()->options();
       options.couplings = part_of(options.couplings, piece_of_[at(vertex.front())]);
-      auto piece = Body::create(std::move(mesh), materials_of(body, of_piece), options);
-      COROTET_ASSERT(piece.ok(), "what the whole body was made of is valid");
-      pieces_.emplace_back(Piece{*std::move(piece), std::move(vertex), std::move(of_piece)});
+      const auto model = Body::Model::create(std::move(mesh), materials_of(body, of_piece), options);
+      COROTET_ASSERT(model.ok(), "what the whole body was made of is valid");
+      pieces_.emplace_back(*model, vertex, of_piece);
     }
     materials_ = body.material_revision();
   }
 
   [[nodiscard]] COROTET_COLD static Materials materials_of(const Body& body, const std::vector<Index>& elements) {
-    std::vector<Material> materials;
-    materials.reserve(elements.size());
-    for (const Index e : elements) materials.push_back(body.model()->materials().of_element(at(e)));
+    std::vector<Material> materials(elements.size());
+    for (std::size_t i = 0; i < elements.size(); ++i)
+      materials[i] = body.model()->materials().of_element(at(elements[i]));
     return materials;
   }
 
@@ -169,15 +177,7 @@ class Pieces {
   }
 
   void take_motion(const Body& body) {
-    Field<Scalar>& field = velocity_;  // free until the step has been made
-    for (Piece& piece : pieces_) {
-      const std::span<Vec3<Scalar>> part(field.data(), piece.vertex.size());
-      for (std::size_t i = 0; i < part.size(); ++i) part[i] = body.displacements()[at(piece.vertex[i])];
-      Result<void> set = piece.body.set_displacements(part);
-      for (std::size_t i = 0; i < part.size(); ++i) part[i] = body.velocities()[at(piece.vertex[i])];
-      if (set.ok()) set = piece.body.set_velocities(part);
-      COROTET_ASSERT(set.ok(), "the body's state is finite");
-    }
+    for (Piece& piece : pieces_) piece.body.take_state(body, piece.vertex);
     motion_ = body.motion_revision();
   }
 

@@ -80,7 +80,7 @@ COROTET_COLD Result<void> save_snapshot(const Body& body, std::span<std::byte> o
 /// damaged, or of another mesh, material or integrator); nothing changes then. May allocate.
 template <class Body, class Integrator>
 COROTET_COLD Result<void> restore_snapshot(std::span<const std::byte> in, Body& body, Integrator& integrator) {
-  const auto wrong = [](const char* what) { return detail::error(ErrorCode::invalid_argument, {"snapshot"}, {what}); };
+  const auto wrong = [](const char* what) { return detail::error(ErrorCode::invalid_argument, "snapshot", what); };
   detail::StateArchive compare(in, detail::StateArchive::Mode::compare);
   detail::visit_snapshot(compare, body, integrator);
   if (!compare.ok()) return wrong("is of another body, integrator or version of the library, or cut off");

@@ -1,6 +1,7 @@
 // A soft body: what it is made of, where it is, how fast it moves, what holds it and what pulls at it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <concepts>
 #include <corotet/detail/core/assert.hpp>
@@ -184,6 +185,9 @@ class SoftBody : private PointStates<Scalar, detail::ElasticModelOf<LawType>> {
   /// For integrators: takes the new state by exchange of buffers, which must be finite and of the body's length.
   void swap_state(Field<Scalar>& displacement, Field<Scalar>& velocity);
 
+  /// For integrators: takes the state of these vertices of another body, one a vertex of this.
+  void take_state(const SoftBody& whole, std::span<const Index> vertices);
+
  private:
   [[nodiscard]] COROTET_COLD Result<void> check_field(const char* name, std::span<const Vec3<Scalar>> field) const;
 
@@ -222,7 +226,7 @@ Result<SoftBody<Scalar, Element, LawType>> SoftBody<Scalar, Element, LawType>::c
 template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
 Result<void> SoftBody<Scalar, Element, LawType>::set_displacements(std::span<const Vec3<Scalar>> displacement) {
   if (Result<void> s = check_field("displacements", displacement); !s) return s;
-  displacement_.assign(displacement.begin(), displacement.end());
+  std::copy(displacement.begin(), displacement.end(), displacement_.begin());
   revision_ = motion_revision_ = detail::new_revision();
   return {};
 }
@@ -230,7 +234,7 @@ Result<void> SoftBody<Scalar, Element, LawType>::set_displacements(std::span<con
 template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
 Result<void> SoftBody<Scalar, Element, LawType>::set_velocities(std::span<const Vec3<Scalar>> velocity) {
   if (Result<void> s = check_field("velocities", velocity); !s) return s;
-  velocity_.assign(velocity.begin(), velocity.end());
+  std::copy(velocity.begin(), velocity.end(), velocity_.begin());
   motion_revision_ = detail::new_revision();
   return {};
 }
@@ -307,6 +311,15 @@ void SoftBody<Scalar, Element, LawType>::swap_state(Field<Scalar>& displacement,
                  "the buffers belong to another body");
   displacement_.swap(displacement);
   velocity_.swap(velocity);
+  revision_ = motion_revision_ = detail::new_revision();
+}
+
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+void SoftBody<Scalar, Element, LawType>::take_state(const SoftBody& whole, std::span<const Index> vertices) {
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    displacement_[i] = whole.displacement_[at(vertices[i])];
+    velocity_[i] = whole.velocity_[at(vertices[i])];
+  }
   revision_ = motion_revision_ = detail::new_revision();
 }
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <concepts>
+#include <corotet/detail/core/executor.hpp>
 #include <cstdint>
-#include <memory>
 #include <type_traits>
 
 namespace corotet::inline v0_1 {
@@ -24,8 +24,8 @@ class PhaseObserver {
   template <std::invocable<StepPhase> O>
     requires(!std::same_as<std::remove_cvref_t<O>, PhaseObserver>)
   PhaseObserver(O&& observer)  // NOLINT(google-explicit-constructor, bugprone-forwarding-reference-overload)
-      : object_(const_cast<void*>(static_cast<const void*>(std::addressof(observer)))),
-        call_([](void* object, StepPhase phase) { (*static_cast<std::remove_reference_t<O>*>(object))(phase); }) {}
+      : object_(detail::address_of(observer)),
+        call_(&detail::call_object<void, std::remove_reference_t<O>, StepPhase>) {}
 
   /// Whether there is anybody to tell.
   explicit operator bool() const { return call_ != nullptr; }

@@ -25,7 +25,7 @@ template <std::floating_point Scalar, ReferenceElement Element>
   for (Index e = 0; e < mesh.element_count(); ++e)
     for (std::size_t q = 0; q < Element::stiffness_points.size(); ++q) {
       const auto& gradient = natural_gradients<Element>[q];
-      const Mat3<double> to_space = jacobian(gradient, [&](std::size_t a) { return mesh.node_position(e, a); });
+      const Mat3<double> to_space = jacobian(gradient, mesh.node_positions(e));
       const double part = Element::stiffness_points[q].weight * to_space.determinant();
       volume += part;
       const Mat3<double> inverse = to_space.inverse();

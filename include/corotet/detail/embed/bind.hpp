@@ -36,9 +36,7 @@ struct BoundPoint {
 /// Node positions of an element in double.
 template <std::floating_point Scalar, TetrahedralElement Element>
 NodePositions<Element> node_positions(const TetMesh<Scalar, Element>& mesh, Index e) {
-  NodePositions<Element> x;
-  for (std::size_t a = 0; a < x.size(); ++a) x[a] = mesh.position(mesh.element(e)[a]).template cast<double>();
-  return x;
+  return mesh.node_positions(e);
 }
 
 template <std::floating_point Scalar, TetrahedralElement Element>

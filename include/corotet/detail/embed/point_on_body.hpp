@@ -117,7 +117,7 @@ Result<void> apply_impulse_at(Body& body, const BodyPoint<typename Body::element
                               const Vec3<typename Body::scalar_type>& impulse,
                               Field<typename Body::scalar_type>& scratch) {
   using Scalar = typename Body::scalar_type;
-  if (!impulse.allFinite()) return detail::error(ErrorCode::non_finite_value, {"impulse"}, {"is not finite"});
+  if (!impulse.allFinite()) return detail::error(ErrorCode::non_finite_value, "impulse", "is not finite");
   const Vec3<double> j = impulse.template cast<double>();
   scratch.assign(body.velocities().begin(), body.velocities().end());
   if (body.mass().model() == MassModel::lumped) {

@@ -7,6 +7,7 @@
 #include <corotet/detail/core/result.hpp>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -34,16 +35,35 @@ struct Lame {
   return {m.young * m.poisson / ((1 + m.poisson) * (1 - 2 * m.poisson)), m.young / (2 * (1 + m.poisson))};
 }
 
-/// invalid_argument, naming `where` and the parameter, if one lies outside its range or is not finite.
-[[nodiscard]] COROTET_COLD inline Result<void> validate(const Material& m, const std::string& where = "material") {
+namespace detail {
+
+/// As `validate`, and for Lamé parameters and a density beyond `largest`, or below `least`, the smallest normal number:
+/// there digits are lost, and then all, which is a body without mass or stiffness.
+[[nodiscard]] COROTET_COLD inline Result<void> check_material(const Material& m, std::string_view where, double largest,
+                                                              double least) {
   const auto refuse = [&](const char* name, double value, const char* range) {
-    return detail::error(ErrorCode::invalid_argument, {where, ".", name}, {"must be ", range, ", is ", value});
+    return error(ErrorCode::invalid_argument, {where, ".", name}, {"must be ", range, ", is ", value});
   };
   if (!std::isfinite(m.young) || m.young <= 0) return refuse("young", m.young, "positive and finite (Pa)");
   if (!std::isfinite(m.poisson) || m.poisson <= -1 || m.poisson >= 0.5)
     return refuse("poisson", m.poisson, "between -1 and 0.5, both excluded");
   if (!std::isfinite(m.density) || m.density <= 0) return refuse("density", m.density, "positive and finite (kg/m^3)");
+  const auto [lambda, mu] = lame(m);
+  for (const double parameter : {lambda, mu, m.density})
+    if (std::fabs(parameter) > largest)
+      return error(ErrorCode::invalid_argument, {where}, {parameter, " is too large for this precision"});
+  const bool is_soft = m.young < least;
+  if (is_soft || m.density < least)
+    return error(ErrorCode::invalid_argument, {where, is_soft ? ".young" : ".density"},
+                 {is_soft ? m.young : m.density, " is too small for this precision"});
   return {};
+}
+
+}  // namespace detail
+
+/// invalid_argument, naming `where` and the parameter, if one lies outside its range or is not finite.
+[[nodiscard]] inline Result<void> validate(const Material& m, const std::string& where = "material") {
+  return detail::check_material(m, where, std::numeric_limits<double>::infinity(), 0);
 }
 
 /// The material of each element: one for the whole body, or one an element.
@@ -66,30 +86,26 @@ class Materials {
   /// invalid_argument if there is neither one material nor one for each of `elements`, or if one of them is invalid, or
   /// its Lamé parameters or its density lie outside the range of Scalar.
   template <std::floating_point Scalar>
-  [[nodiscard]] COROTET_COLD Result<void> validate(std::size_t elements) const {
+  [[nodiscard]] Result<void> validate(std::size_t elements) const {
+    return validate(elements, static_cast<double>((std::numeric_limits<Scalar>::max)()),
+                    static_cast<double>((std::numeric_limits<Scalar>::min)()));
+  }
+
+ private:
+  [[nodiscard]] COROTET_COLD Result<void> validate(std::size_t elements, double largest, double least) const {
     if (materials_.size() != 1 && materials_.size() != elements)
       return detail::error(
           ErrorCode::invalid_argument, {"materials"},
           {"there are ", materials_.size(), " for ", elements, " elements; give one for all, or one for each"});
-    for (std::size_t e = 0; e < materials_.size(); ++e) {
-      const std::string where =
-          materials_.size() == 1 ? std::string("material") : detail::message({"material of element ", e});
-      if (Result<void> s = corotet::validate(materials_[e], where); !s) return s;
-      const auto [lambda, mu] = lame(materials_[e]);
-      for (const double parameter : {lambda, mu, materials_[e].density})
-        if (std::fabs(parameter) > static_cast<double>((std::numeric_limits<Scalar>::max)()))
-          return detail::error(ErrorCode::invalid_argument, {where}, {parameter, " is too large for this precision"});
-      // Below the normal numbers digits are lost, and then all: a body without mass or stiffness.
-      for (const auto& [name, parameter] :
-           {std::pair{".young", materials_[e].young}, std::pair{".density", materials_[e].density}})
-        if (static_cast<Scalar>(parameter) < (std::numeric_limits<Scalar>::min)())
-          return detail::error(ErrorCode::invalid_argument, {where, name},
-                               {parameter, " is too small for this precision"});
-    }
+    for (std::size_t e = 0; e < materials_.size(); ++e)
+      if (Result<void> s = detail::check_material(materials_[e], "material", largest, least); !s)
+        return materials_.size() == 1
+                   ? s
+                   : detail::check_material(materials_[e], detail::message({"material of element ", e}), largest,
+                                            least);
     return {};
   }
 
- private:
   std::vector<Material> materials_;
 };
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <corotet/detail/core/compiler.hpp>
+#include <corotet/detail/core/index_list.hpp>
 #include <corotet/detail/core/message.hpp>
 #include <corotet/detail/core/result.hpp>
 #include <corotet/detail/core/types.hpp>
@@ -35,13 +36,13 @@ struct BlockOptions {
 [[nodiscard]] COROTET_COLD inline Result<MeshData> make_block(const BlockOptions& options) {
   const auto [nx, ny, nz] = options.cells;
   if (nx < 1 || ny < 1 || nz < 1)
-    return detail::error(ErrorCode::invalid_argument, {"cells"}, {"must be at least 1 along each axis"});
+    return detail::error(ErrorCode::invalid_argument, "cells", "must be at least 1 along each axis");
   if (!(options.size.minCoeff() > 0) || !options.size.allFinite() || !options.corner.allFinite())
-    return detail::error(ErrorCode::invalid_argument, {"size"}, {"must be positive and finite along each axis"});
+    return detail::error(ErrorCode::invalid_argument, "size", "must be positive and finite along each axis");
   if (options.order != 1 && options.order != 2)
     return detail::error(ErrorCode::invalid_argument, {"order"}, {"must be 1 or 2, is ", options.order});
   if ((double{1} + nx) * (double{1} + ny) * (double{1} + nz) > (std::numeric_limits<Index>::max)() / 240.0)
-    return detail::error(ErrorCode::invalid_argument, {"cells"}, {"too many for 32-bit indices"});
+    return detail::error(ErrorCode::invalid_argument, "cells", "too many for 32-bit indices");
 
   MeshData mesh;
   const auto vertex = [&](Index i, Index j, Index k) { return i + (nx + 1) * (j + (ny + 1) * k); };
@@ -63,7 +64,7 @@ struct BlockOptions {
       nodes[c] = vertex(i + (bits & 1), j + ((bits >> 1) & 1), k + ((bits >> 2) & 1));
     }
     if (mirror != 0) std::swap(nodes[1], nodes[2]);  // a mirror image has the opposite winding
-    mesh.connectivity.insert(mesh.connectivity.end(), nodes.begin(), nodes.end());
+    detail::append(mesh.connectivity, nodes.data(), nodes.size());
   };
   for (Index k = 0; k < nz; ++k)
     for (Index j = 0; j < ny; ++j)

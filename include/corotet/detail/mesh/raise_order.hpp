@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <corotet/detail/core/compiler.hpp>
+#include <corotet/detail/core/index_list.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/element/reference_element.hpp>
 #include <corotet/detail/mesh/mesh_data.hpp>
@@ -38,8 +39,7 @@ namespace corotet::inline v0_1 {
   for (Index v = 0; v < size_of(first); ++v) {
     ends.clear();
     for (Index use = first[at(v)]; use != none; use = next[at(use)]) ends.push_back(other[at(use)]);
-    std::sort(ends.begin(), ends.end());
-    ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+    detail::sort_and_unite(ends);
     const Index begin = mesh.vertex_count();
     for (const Index end : ends) mesh.positions.push_back((mesh.positions[at(v)] + mesh.positions[at(end)]) / 2);
     for (Index use = first[at(v)]; use != none; use = next[at(use)])

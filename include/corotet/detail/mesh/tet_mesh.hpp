@@ -58,6 +58,12 @@ class TetMesh {
   [[nodiscard]] Vec3<double> node_position(Index element, std::size_t a) const {
     return position(elements_[at(element)][a]).template cast<double>();
   }
+  /// Those of all its nodes.
+  [[nodiscard]] std::array<Vec3<double>, std::size_t{Element::nodes}> node_positions(Index element) const {
+    std::array<Vec3<double>, std::size_t{Element::nodes}> x;
+    for (std::size_t a = 0; a < x.size(); ++a) x[a] = node_position(element, a);
+    return x;
+  }
 
   /// The vertex whose rest position is nearest to `x` (m, relative to `origin()`), the first of equals. Looks at each.
   [[nodiscard]] Index nearest_vertex(const Vec3<Scalar>& x) const { return nearest_position(positions_, x); }
@@ -105,28 +111,25 @@ Result<TetMesh<Scalar, Element>> TetMesh<Scalar, Element>::create(const MeshData
 
   TetMesh mesh;
   mesh.origin_ = origin;
-  mesh.positions_.reserve(data.positions.size());
-  std::vector<Vec3<double>> kept;  // volumes are judged on what is kept
-  kept.reserve(data.positions.size());
-  for (const Vec3<double>& x : data.positions) {
-    mesh.positions_.push_back((x - origin).template cast<Scalar>());
-    if (!mesh.positions_.back().allFinite())
-      return detail::error(ErrorCode::non_finite_value, {"vertex ", mesh.positions_.size() - 1},
+  mesh.positions_ = Field<Scalar>(data.positions.size());
+  for (std::size_t v = 0; v < data.positions.size(); ++v) {
+    mesh.positions_[v] = (data.positions[v] - origin).template cast<Scalar>();
+    if (!mesh.positions_[v].allFinite())
+      return detail::error(ErrorCode::non_finite_value, {"vertex ", v},
                            {"its position is not a finite number in this precision"});
-    kept.push_back(mesh.positions_.back().template cast<double>());
   }
 
-  mesh.elements_.resize(data.connectivity.size() / Element::nodes);
+  mesh.elements_ = std::vector<Nodes>(data.connectivity.size() / Element::nodes);
   for (Index e = 0; e < mesh.element_count(); ++e) {
     Nodes& nodes = mesh.elements_[at(e)];
     std::copy_n(data.connectivity.begin() + std::ptrdiff_t{e} * Element::nodes, Element::nodes, nodes.begin());
-    const double volume = detail::signed_volume<Element>(kept, nodes);
-    if (volume < 0) {
+    if (detail::signed_volume<Element>(mesh.node_positions(e)) < 0) {  // of what is kept, not of `data`
       detail::turn_round<Element>(nodes);
       ++mesh.flipped_elements_;
     }
     const auto epsilon = static_cast<double>(std::numeric_limits<Scalar>::epsilon());
-    if (Result<void> status = detail::check_volume<Element>(kept, nodes, e, epsilon); !status) return status.error();
+    if (Result<void> status = detail::check_volume<Element>(mesh.node_positions(e), e, epsilon); !status)
+      return status.error();
   }
   mesh.regions_ = data.regions;
   return mesh;
@@ -157,13 +160,13 @@ TetMesh<Scalar, Element> TetMesh<Scalar, Element>::part(const std::vector<Index>
     if (place[at(v)] == 0) {
       place[at(v)] = size_of(vertices);
       vertices.push_back(v);
-      mesh.positions_.push_back(positions_[at(v)]);
     }
-  for (const Index e : elements) {
-    Nodes nodes = elements_[at(e)];
-    for (Index& v : nodes) v = place[at(v)];
-    mesh.elements_.push_back(nodes);
-    if (!regions_.empty()) mesh.regions_.push_back(regions_[at(e)]);
+  mesh.positions_ = Field<Scalar>(vertices.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i) mesh.positions_[i] = positions_[at(vertices[i])];
+  mesh.elements_ = std::vector<Nodes>(elements.size());
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    for (std::size_t a = 0; a < Element::nodes; ++a) mesh.elements_[i][a] = place[at(elements_[at(elements[i])][a])];
+    if (!regions_.empty()) mesh.regions_.push_back(regions_[at(elements[i])]);
   }
   return mesh;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <corotet/detail/core/buffer.hpp>
 #include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/message.hpp>
 #include <corotet/detail/core/result.hpp>
@@ -21,12 +22,12 @@ namespace corotet::inline v0_1::detail {
 
 /// Lengths, index range, repeated nodes, vertices without an element.
 COROTET_COLD inline Result<void> check_arrays(const MeshData& data, int nodes_per_element) {
-  if (data.positions.empty()) return error(ErrorCode::empty_mesh, {"mesh"}, {"it has no vertices"});
-  if (data.connectivity.empty()) return error(ErrorCode::empty_mesh, {"mesh"}, {"it has no elements"});
+  if (data.positions.empty()) return error(ErrorCode::empty_mesh, "mesh", "it has no vertices");
+  if (data.connectivity.empty()) return error(ErrorCode::empty_mesh, "mesh", "it has no elements");
   // A body counts 3 degrees of freedom a vertex and nodes^2 contributions an element by Index.
   constexpr std::size_t most = std::size_t{(std::numeric_limits<Index>::max)()};
   if (data.positions.size() > most / 3 || data.connectivity.size() > most / at((std::max)(nodes_per_element, 1)))
-    return error(ErrorCode::unsupported, {"mesh"}, {"it is too large for 32-bit indices"});
+    return error(ErrorCode::unsupported, "mesh", "it is too large for 32-bit indices");
   if (data.nodes_per_element != nodes_per_element)
     return error(ErrorCode::invalid_argument, {"mesh"},
                  {"its elements have ", data.nodes_per_element, " nodes, this mesh type has ", nodes_per_element,
@@ -35,9 +36,9 @@ COROTET_COLD inline Result<void> check_arrays(const MeshData& data, int nodes_pe
     return error(ErrorCode::invalid_argument, {"mesh"},
                  {"connectivity has ", data.connectivity.size(), " entries, not a multiple of ", nodes_per_element});
   if (!data.regions.empty() && size_of(data.regions) != data.element_count())
-    return error(ErrorCode::invalid_argument, {"mesh"}, {"regions must hold one tag an element, or be empty"});
+    return error(ErrorCode::invalid_argument, "mesh", "regions must hold one tag an element, or be empty");
 
-  std::vector<bool> referenced(data.positions.size(), false);
+  Buffer<bool> referenced(data.positions.size());
   for (Index e = 0; e < data.element_count(); ++e) {
     const Index* nodes = data.connectivity.data() + std::ptrdiff_t{e} * nodes_per_element;
     for (int a = 0; a < nodes_per_element; ++a) {
@@ -45,15 +46,16 @@ COROTET_COLD inline Result<void> check_arrays(const MeshData& data, int nodes_pe
       if (v < 0 || v >= data.vertex_count())
         return error(ErrorCode::index_out_of_range, {"element ", e},
                      {"it names vertex ", v, ", but the mesh has vertices 0 to ", data.vertex_count() - 1});
-      if (std::find(nodes, nodes + a, v) != nodes + a)
-        return error(ErrorCode::duplicate_node, {"element ", e}, {"it names vertex ", v, " twice"});
+      int b = 0;
+      while (nodes[b] != v) ++b;
+      if (b != a) return error(ErrorCode::duplicate_node, {"element ", e}, {"it names vertex ", v, " twice"});
       referenced[at(v)] = true;
     }
   }
-  const auto lonely = std::find(referenced.begin(), referenced.end(), false);
-  if (lonely != referenced.end())
-    return error(ErrorCode::unreferenced_vertex, {"vertex ", lonely - referenced.begin()},
-                 {"it belongs to no element, so it would have no mass (remove_unreferenced drops such vertices)"});
+  for (std::size_t v = 0; v < referenced.size(); ++v)
+    if (!referenced[v])
+      return error(ErrorCode::unreferenced_vertex, {"vertex ", v},
+                   {"it belongs to no element, so it would have no mass (remove_unreferenced drops such vertices)"});
   return {};
 }
 
@@ -63,16 +65,15 @@ inline double corner_volume(const std::vector<Vec3<double>>& x, const Index* nod
   return (x[at(nodes[1])] - o).cross(x[at(nodes[2])] - o).dot(x[at(nodes[3])] - o) / 6;
 }
 
-/// Signed volume of an element, m^3; of a tetrahedron, that of its corners.
+/// Signed volume of an element whose nodes lie at `x`, m^3; of a tetrahedron, that of its corners.
 template <ReferenceElement Element>
-double signed_volume(const std::vector<Vec3<double>>& x, const std::array<Index, Element::nodes>& nodes) {
+double signed_volume(const std::array<Vec3<double>, std::size_t{Element::nodes}>& x) {
   if constexpr (TetrahedralElement<Element>) {
-    return corner_volume(x, nodes.data());
+    return (x[1] - x[0]).cross(x[2] - x[0]).dot(x[3] - x[0]) / 6;
   } else {
     double volume = 0;
     for (std::size_t q = 0; q < Element::stiffness_points.size(); ++q)
-      volume += Element::stiffness_points[q].weight *
-                jacobian(natural_gradients<Element>[q], [&](std::size_t a) { return x[at(nodes[a])]; }).determinant();
+      volume += Element::stiffness_points[q].weight * jacobian(natural_gradients<Element>[q], x).determinant();
     return volume;
   }
 }
@@ -84,22 +85,22 @@ void turn_round(std::array<Index, Element::nodes>& nodes) {
   for (std::size_t a = 0; a < nodes.size(); ++a) nodes[a] = before[Element::mirrored[a]];
 }
 
-/// Positive Jacobian at each quadrature point, measured against rounding in positions of precision `epsilon`.
+/// Positive Jacobian at each quadrature point of element `e`, whose nodes lie at `x`, measured against rounding in
+/// positions of precision `epsilon`.
 template <ReferenceElement Element>
-COROTET_COLD Result<void> check_volume(const std::vector<Vec3<double>>& x,
-                                       const std::array<Index, Element::nodes>& nodes, Index e, double epsilon) {
+COROTET_COLD Result<void> check_volume(const std::array<Vec3<double>, std::size_t{Element::nodes}>& x, Index e,
+                                       double epsilon) {
   // Rounding moves each vertex by epsilon times its distance from the origin, and with it the determinant.
   double largest = 0;
-  for (const Index v : nodes) largest = (std::max)(largest, x[at(v)].cwiseAbs().maxCoeff());
+  for (const Vec3<double>& node : x) largest = (std::max)(largest, node.cwiseAbs().maxCoeff());
   const auto check_points = [&](std::span<const QuadraturePoint> points) -> Result<void> {
     for (const QuadraturePoint& point : points) {
-      const Mat3<double> to_space =
-          jacobian(Element::gradient(point.xi), [&](std::size_t a) { return x[at(nodes[a])]; });
+      const Mat3<double> to_space = jacobian(Element::gradient(point.xi), x);
       const double det = to_space.determinant();
       const double size = (std::max)({to_space.col(0).norm(), to_space.col(1).norm(), to_space.col(2).norm()});
       const double rounding = 4 * epsilon * size * size * (std::max)(size, largest);
       if (!(det > rounding) || !std::isfinite(det)) {
-        if (!has_constant_gradients<Element> && signed_volume<Element>(x, nodes) * 6 > rounding)
+        if (!has_constant_gradients<Element> && signed_volume<Element>(x) * 6 > rounding)
           return error(ErrorCode::degenerate_element, {"element ", e},
                        {"its edges are curved so far that it folds over itself"});
         return error(ErrorCode::degenerate_element, {"element ", e},

@@ -5,6 +5,7 @@
 #include <corotet/detail/assembly/block_pattern.hpp>
 #include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/executor.hpp>
+#include <corotet/detail/core/index_list.hpp>
 #include <corotet/detail/core/memory_use.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/solve/aggregates.hpp>
@@ -81,11 +82,10 @@ struct AggregateHierarchy {
           for (Index k = pattern.row_start[at(v)]; k < pattern.row_start[at(v) + 1]; ++k)
             if (const Index other = coarse_of(pattern.column[at(k)]); row.empty() || row.back() != other)
               row.push_back(other);
-      std::sort(row.begin(), row.end());
-      row.erase(std::unique(row.begin(), row.end()), row.end());
+      sort_and_unite(row);
       p.diagonal.push_back(size_of(p.column) +
                            static_cast<Index>(std::lower_bound(row.begin(), row.end(), c) - row.begin()));
-      p.column.insert(p.column.end(), row.begin(), row.end());
+      append(p.column, row);
       p.row_start.push_back(size_of(p.column));
     }
     return p;

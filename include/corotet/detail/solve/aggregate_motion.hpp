@@ -33,7 +33,7 @@ struct AggregateMotion {
       : fine(h.fine.count()),
         coarse(h.coarse_count()),
         offset(h.rest.size()),
-        arm(at(h.two_levels ? 0 : h.fine.count()), Vec3<Scalar>::Zero()),
+        arm(at(h.two_levels ? 0 : h.fine.count())),
         moves(h.rest.size(), 1) {}
 
   /// Sets the pinned vertices, and from the others which aggregates can turn, and the size of each.

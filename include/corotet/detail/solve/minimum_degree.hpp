@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <corotet/detail/assembly/block_pattern.hpp>
+#include <corotet/detail/core/buffer.hpp>
 #include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <cstddef>
@@ -233,7 +234,7 @@ class MinimumDegree {
   static constexpr Index none = -1;
 
   Index count_, end_ = 0;  // end_: of the entries in use
-  std::vector<Node> node_;
+  Buffer<Node> node_;
   std::vector<Index> entry_;
   std::vector<Index> order_, first_;                    // first_: variable of each degree
   std::vector<Index> bucket_, bucket_step_, compared_;  // see merge_equals

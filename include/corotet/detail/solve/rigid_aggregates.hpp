@@ -70,7 +70,7 @@ class RigidAggregates {
     answer_ = load_;
     coarse_answer_ = detail::Scratch<detail::SixVector<Scalar>>(at(h.coarse_count()));
     product_ = detail::Scratch<double>(at(h.fine.count()));
-    own_inverse_ = detail::Buffer<Block6>(at(h.two_levels ? 0 : h.fine.count()), Block6::Zero());
+    own_inverse_ = detail::Buffer<Block6>(at(h.two_levels ? 0 : h.fine.count()));
     policy_ = {};
   }
 

@@ -31,9 +31,7 @@ struct RigidFrames {
   Buffer<Scalar> inverse_size;
 
   COROTET_COLD explicit RigidFrames(Index count = 0)
-      : center(at(count), Vec3<Scalar>::Zero()),
-        rotation(at(count), Mat3<Scalar>::Identity()),
-        inverse_size(at(count), Scalar(0)) {}
+      : center(at(count)), rotation(at(count), Mat3<Scalar>::Identity()), inverse_size(at(count)) {}
 
   [[nodiscard]] Index count() const { return size_of(center); }
   [[nodiscard]] std::size_t bytes() const { return bytes_of(center) + bytes_of(rotation) + bytes_of(inverse_size); }
