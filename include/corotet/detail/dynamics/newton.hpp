@@ -59,7 +59,9 @@ template <NewtonProblem Problem>
     result.all_solved = result.all_solved && status == SolveStatus::converged;
 
     const double gradient = iterates ? problem.gradient_norm() : 0;
-    if (iterates && first) first_size = detail::square_root(decrement2);
+    // Of a change that is but rounding, the decrement may be negative.
+    const double size = detail::square_root((std::max)(0.0, decrement2));
+    if (first) first_size = size;
     double fraction = 1;
     bool rounding_hides = false;
     if (iterates && !first && searches) {  // the first iterate may not fulfil what is prescribed
@@ -74,7 +76,7 @@ template <NewtonProblem Problem>
     problem.evaluate();
     // What a correction of this size leaves if the error has shrunk as the gradient has.
     const double shrunk = gradient > 0 ? (std::min)(1.0, problem.gradient_norm() / gradient) : 0.0;
-    const double error = detail::square_root(decrement2) * shrunk;
+    const double error = size * shrunk;
     result.residual = first_size > 0 ? error / first_size : 0;
     result.converged = detail::exactly_equal(fraction, 1.0) && (error <= tolerance * first_size || rounding_hides);
     last_decrement2 = decrement2;

@@ -194,6 +194,7 @@ class StepSolver {
     if (solved.solve == SolveStatus::breakdown) return refused(report, StepError::solver_breakdown);
     if (solved.solve == SolveStatus::invalid_options) return refused(report, StepError::solver_options);
     if (!solved.finite) return refused(report, StepError::overflow);
+    problem.balance_momentum();
 
     const auto weigh = [&](const Field<Scalar>& velocity_before) {
       if (bounded)
@@ -229,6 +230,7 @@ class StepSolver {
     bool iterates;
     bool projected = false;
     bool at_rest = true;                    // linearised where v_k = 0
+    bool is_partial = false;                // the last change was taken in part, for which momentum is not balanced
     double elastic = 0, rounding_of_x = 0;  // J, sqrt(J)
 
     /// Evaluates where the force is linearised first. velocity_: a guess, from which the first solve finds the change:
@@ -332,6 +334,15 @@ class StepSolver {
       return s.equation_.terms().has_given() ? energy_of_given(displacement) : 0;
     }
 
+    /// After the last change: where contact was solved for and the change was taken in part, momentum is what impulses
+    /// have given. The body stays where its contacts are.
+    COROTET_COLD void balance_momentum() {
+      if (!is_partial || !s.equation_.terms().has_piecewise() || !body.pins().vertices().empty()) return;
+      for (Vec3<Scalar>& d : s.change_) d.setZero();
+      s.equation_.project_linear_momentum(body, step, s.velocity_, s.change_, context.executor);
+      for (Index i = 0; i < body.vertex_count(); ++i) s.velocity_[at(i)] += s.change_[at(i)];
+    }
+
     /// Where forces are linearised now.
     [[nodiscard]] TermState<Scalar> state() const {
       return s.equation_.state(body, step, at_rest ? body.displacements() : s.displacement_, s.velocity_,
@@ -399,23 +410,24 @@ class StepSolver {
     /// Takes a fraction of the change, or less where a term says so. Returns what is then left to take: all.
     COROTET_COLD double apply_to_terms(double fraction) {
       for (Vec3<Scalar>& d : s.change_) d *= static_cast<Scalar>(fraction);
-      limit_change();
+      is_partial = limit_change() || fraction < 1;
       find_impulses();
       return 1;
     }
 
-    /// Shortens the change to what the terms allow of the way from where they are linearised.
-    COROTET_COLD void limit_change() {
+    /// Shortens the change to what the terms allow of the way from where they are linearised. False if that is all.
+    COROTET_COLD bool limit_change() {
       Field<Scalar>& there = s.equation_.terms().scratch();
       for (Index i = 0; i < body.vertex_count(); ++i)
         there[at(i)] = step.x_history[at(i)] + step.gamma * (s.velocity_[at(i)] + s.change_[at(i)]);
       const auto to = s.equation_.state(body, step, there, s.velocity_, context.executor);
       const auto safe = static_cast<Scalar>(s.equation_.terms().max_safe_fraction(state(), to));
-      if (!(safe < 1)) return;
+      if (!(safe < 1)) return false;
       for (Index i = 0; i < body.vertex_count(); ++i) {
         Vec3<Scalar>& d = s.change_[at(i)];
         d = at_rest ? Vec3<Scalar>(safe * (s.velocity_[at(i)] + d) - s.velocity_[at(i)]) : Vec3<Scalar>(safe * d);
       }
+      return true;
     }
   };
 
