@@ -19,7 +19,7 @@ struct ContactReport {
   Index candidates = 0;     ///< points within reach, once for each obstacle
   Index touching = 0;       ///< with a force
   Index sliding = 0;        ///< of these
-  int passes = 0;           ///< linear solves
+  int passes = 0;           ///< linear solves; of a body of several pieces, of the one that took most
   bool settled = true;      ///< none of the contacts would have changed in another pass
   double deepest = 0;       ///< of any point inside an obstacle at the end, m
   double normal_force = 0;  ///< sum of all, N

@@ -50,8 +50,13 @@ class ContactSet {
   [[nodiscard]] std::vector<PointContact>& contacts() { return contacts_; }
   [[nodiscard]] const std::vector<PointContact>& contacts() const { return contacts_; }
   [[nodiscard]] std::size_t capacity() const { return capacity_; }
+  /// Whether the body may touch a free obstacle in this step.
+  [[nodiscard]] bool is_near_free() const { return is_near_free_; }
   /// Contacts that found no place in this step.
   [[nodiscard]] Index dropped() const { return dropped_; }
+  /// Points of the piece that is stepped, and the longest edge of the box around them at rest, m.
+  [[nodiscard]] Index size_here() const { return size_here_; }
+  [[nodiscard]] double extent() const { return extent_; }
 
   void forget() { memory_.clear(); }
 
@@ -72,6 +77,8 @@ class ContactSet {
     reserve();
     contacts_.clear();
     dropped_ = 0;
+    is_near_free_ = false;
+    measure(start);
     h_ = double(start.h);
     for (std::size_t v = 0; v < predicted_.size(); ++v)
       if (const auto vertex = static_cast<Index>(v); start.contains(vertex))
@@ -98,6 +105,7 @@ class ContactSet {
       const double path = farthest + h_ * speed;  // of any point, at most
       const double clear = obstacle.distance(centre).distance - options_.margin - radius;
       const bool is_far = clear > reach_factor * path + near_distance();
+      is_near_free_ = is_near_free_ || (!is_far && obstacle.is_free());
       for (Index p = 0; p < points_.size(); ++p) {
         if (!is_here(p, start)) continue;
         if (is_far)
@@ -159,13 +167,28 @@ class ContactSet {
   static constexpr double near_share = 2e-3, start_share = 1e-5;
   static constexpr double reach_factor = 1.5;  // how far a path is looked at, to its length
 
+  template <std::floating_point Scalar>
+  void measure(const TermState<Scalar>& start) {
+    size_here_ = points_.size();
+    extent_ = points_.extent();
+    if (start.piece.local.empty()) return;
+    Box box;
+    size_here_ = 0;
+    for (Index p = 0; p < points_.size(); ++p)
+      if (is_here(p, start)) {
+        ++size_here_;
+        box.add(points_.interpolate(p, [&](Index v) { return start.rest[start.index(v)]; }));
+      }
+    extent_ = size_here_ == 0 ? 0 : (box.high - box.low).maxCoeff();
+  }
+
   void reserve() {
     contacts_.reserve(capacity_);
     memory_.reserve(capacity_);
     next_memory_.reserve(capacity_);
   }
 
-  [[nodiscard]] double near_distance() const { return near_share * points_.extent(); }
+  [[nodiscard]] double near_distance() const { return near_share * extent_; }
 
   [[nodiscard]] const ContactMemory* memory_at(Index obstacle, Index point) const {
     ContactMemory key;
@@ -195,7 +218,7 @@ class ContactSet {
     const double moves_in = -(contact.gap + contact.normal.dot(end_[at(point)] - contact.reference - contact.led));
     if (before != nullptr && before->force > 0)
       contact.phase = before->phase;
-    else if (moves_in > start_share * points_.extent())
+    else if (moves_in > start_share * extent_)
       contact.phase = ContactPhase::sticking;
     return true;
   }
@@ -211,7 +234,9 @@ class ContactSet {
   std::vector<bool> looked_again_;                   // at another end, in this step
   std::vector<Vec3<double>> predicted_;              // where vertices would be after the step by their velocities, m
   double h_ = 0;
-  Index dropped_ = 0;
+  double extent_ = 0;
+  Index dropped_ = 0, size_here_ = 0;
+  bool is_near_free_ = false;
 };
 
 }  // namespace corotet::inline v0_1::detail

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <corotet/detail/contact/contact_compliance.hpp>
 #include <corotet/detail/contact/contact_options.hpp>
 #include <corotet/detail/contact/contact_points.hpp>
 #include <corotet/detail/contact/contact_set.hpp>
@@ -48,7 +49,7 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
   }  ///< the points of the body that may touch
   /// Of the last step.
   [[nodiscard]] const ContactReport& report() const { return report_; }
-  /// Those with a force, in the order of obstacles, then of points.
+  /// Those with a force, by pieces of the body, then by obstacles, then by points.
   [[nodiscard]] std::span<const Touch> touches() const { return touches_; }
 
   /// Forgets the forces of earlier steps: after the body was set elsewhere.
@@ -56,11 +57,11 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
     set_.forget();
     touches_.clear();
     report_ = {};
-    was_busy_ = has_jumped_ = false;
+    for (History& history : histories_) history = {};
   }
 
   void begin_step(const TermState<Scalar>& start) override;
-  [[nodiscard]] bool needs_first_order() const override { return has_jumped_ || !free_.empty(); }
+  [[nodiscard]] bool needs_first_order() const override { return histories_[piece_].has_jumped || set_.is_near_free(); }
   void add_force(const TermState<Scalar>& state, TermForces<Scalar>& out) override;
   [[nodiscard]] bool linearize(PassSystem<Scalar>& system) override;
   [[nodiscard]] bool revise(const PassSystem<Scalar>& system, double error) override;
@@ -83,15 +84,19 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
   void move(const Field<Scalar>& change) override;
   [[nodiscard]] const MatrixFreeTerm<Scalar>* coupling() const override { return free_.empty() ? nullptr : this; }
   [[nodiscard]] int max_passes() const override { return options_.passes; }  ///< see PiecewiseTerm
-  [[nodiscard]] bool was_busy() const override { return was_busy_; }
+  [[nodiscard]] bool was_busy() const override { return histories_[piece_].was_busy; }
   void end_passes(int passes, bool settled) override {
-    report_.passes = passes;
-    report_.settled = settled;
+    passes_ = passes;
+    is_settled_ = settled;
   }
   void end_step(const TermState<Scalar>& end) override;
 
  private:
   using Contact = detail::PointContact;
+  /// Of a piece of the body: how its last step was.
+  struct History {
+    bool was_busy = false, has_jumped = false;
+  };
 
   // The spring of a contact is that of the matrix's diagonal at its point, but all springs together are at most so many
   // times the mass of the body: the error of the linear solve would move stiffer ones.
@@ -146,11 +151,14 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
   detail::FreeObstacles free_;
   TermState<Scalar> linearized_;  // of this step
   ContactReport report_;
+  std::vector<History> histories_ = std::vector<History>(1);
+  std::size_t piece_ = 0;                             // that is stepped
   Vec3<double> start_centre_ = Vec3<double>::Zero();  // of the body's mass, if there is a free obstacle
   int revisions_ = 0, augmentations_ = 0;             // of this linearisation
   double spring_cap_ = 0;                             // of the mass
   double h_ = 0, gamma_ = 0;
-  bool has_springs_ = false, was_busy_ = false, has_jumped_ = false;
+  int passes_ = 0;  // of the last linearisation
+  bool has_springs_ = false, is_settled_ = true;
 };
 
 template <std::floating_point Scalar>
@@ -171,12 +179,18 @@ void Contacts<Scalar>::begin_step(const TermState<Scalar>& start) {
   Obstacles& obstacles = set_.obstacles();
   obstacles.begin_step(double(start.h));
   h_ = double(start.h);
-  touches_.clear();
-  touches_.reserve(set_.capacity());
+  piece_ = at(start.piece.piece);
+  if (piece_ == 0) {  // pieces come in their order
+    touches_.clear();
+    touches_.reserve(set_.capacity());
+    report_ = {};
+  }
+  if (piece_ >= histories_.size()) histories_.resize(piece_ + 1);
   has_springs_ = false;
+  passes_ = 0;
+  is_settled_ = true;
   set_.begin_step(start);
-  report_ = {};
-  report_.candidates = size_of(set_.contacts());
+  report_.candidates += size_of(set_.contacts());
   free_.begin(obstacles, set_.contacts());
   for (Index o = 0; o < obstacles.size(); ++o)
     if (obstacles[o].is_free() && obstacles[o].enabled) {
@@ -242,22 +256,16 @@ void Contacts<Scalar>::choose_springs(const PassSystem<Scalar>& system) {
 template <std::floating_point Scalar>
 void Contacts<Scalar>::choose_spring(Contact& contact, const PassSystem<Scalar>& system) {
   const Vec3<double> normal = in_frame(contact.normal);
-  const BlockPattern& pattern = system.matrix.pattern();
-  double along = 0, across = 0;  // compliance of the diagonal, 1/kg
+  detail::ContactCompliance compliance;
   for_carriers(contact, [&](Index v, double weight) {
-    const auto row = static_cast<Index>(linearized_.index(v));
-    const Mat3<double> inverse = system.matrix.diagonal(row).template cast<double>().inverse();
-    const double share = weight * weight * (std::max)(1.0, share_[at(v)]), here = normal.dot(inverse * normal);
-    // The mass alone has this one. A consistent tangent that is indefinite may have a larger one, or none.
-    const double most = 1 / double(linearized_.mass->factor(pattern, row, pattern.diagonal[at(row)]));
-    const auto bounded = [most](double compliance) { return compliance > 0 ? (std::min)(compliance, most) : most; };
-    along += share * bounded(here);
-    across += share * bounded((inverse.trace() - here) / 2);
+    compliance.add(system.matrix, *linearized_.mass, static_cast<Index>(linearized_.index(v)),
+                   weight * weight * (std::max)(1.0, share_[at(v)]), normal);
   });
-  double mass = linearized_.mass->total();
-  if (const double other = set_.obstacle_of(contact).mass(); other > 0) mass = 1 / (1 / mass + 1 / other);
-  contact.kappa = (std::min)(1 / along, spring_cap_ * mass);
-  contact.kappa_t = (std::min)(1 / across, spring_cap_ * mass);
+  const double other = set_.obstacle_of(contact).mass();
+  if (compliance.is_held && !(other > 0)) return contact.release();  // neither gives way: no force could part them
+  const double mass = other > 0 ? 1 / (1 / linearized_.mass->total() + 1 / other) : linearized_.mass->total();
+  contact.kappa = (std::min)(1 / compliance.along, spring_cap_ * mass);
+  contact.kappa_t = (std::min)(1 / compliance.across, spring_cap_ * mass);
 }
 
 template <std::floating_point Scalar>
@@ -335,7 +343,7 @@ bool Contacts<Scalar>::find_crossings(const PassSystem<Scalar>& system) {
   set_.for_each_suspect(here, end_of, end_of_point, [&](Index p) {
     set_.find_crossings(p, end_of_point(p), [&](Contact& contact) {
       free_.add(set_.obstacles(), contact);
-      spring_cap_ = (std::min)(spring_cap_, body_mass_ratio / double(points().size()));
+      spring_cap_ = (std::min)(spring_cap_, body_mass_ratio / double(set_.size_here()));
       choose_spring(contact, system);
       contact.linearize(guessed_end(p, system), gamma_, contact.kappa, contact.kappa_t);
       contact.start_from_memory(gamma_);
@@ -360,7 +368,7 @@ bool Contacts<Scalar>::augment() {
     const double force = (std::max)(0.0, contact.normal_trial) / gamma_;
     change += std::fabs(force - contact.multiplier);
     all += (std::max)(force, contact.multiplier);
-    is_deep = is_deep || contact.depth(gamma_) > depth_share * points().extent();
+    is_deep = is_deep || contact.depth(gamma_) > depth_share * set_.extent();
   }
   const bool moves_on = change > least_change * all && change < most_change * all;
   if (!is_deep && !moves_on) return false;
@@ -466,7 +474,8 @@ void Contacts<Scalar>::end_step(const TermState<Scalar>& end) {
     report_.normal_force += force;
     const Vec3<double> impulse = eta * contact.given;
     if (contact.free_body < 0) set_.obstacles()[contact.obstacle].add_load({-impulse, -contact.arm.cross(impulse)});
-    touches_.push_back({contact.point, contact.obstacle, contact.start, contact.normal, impulse, slides});
+    if (touches_.size() < set_.capacity())
+      touches_.push_back({contact.point, contact.obstacle, contact.start, contact.normal, impulse, slides});
   }
   // The body's moment is that of the impulse where its point ends, about its centre of mass there.
   Vec3<double> flown = Vec3<double>::Zero();
@@ -478,9 +487,10 @@ void Contacts<Scalar>::end_step(const TermState<Scalar>& end) {
   });
   const double share = detail::exactly_equal(h_, gamma_) ? 0.5 : 0.05;  // of the force, for the multiplier
   set_.remember(end, gamma_, share);
-  report_.dropped = set_.dropped();
-  has_jumped_ = moved > 0.5 * all;
-  was_busy_ = report_.passes > 1;
+  report_.dropped += set_.dropped();
+  report_.passes = (std::max)(report_.passes, passes_);
+  report_.settled = report_.settled && is_settled_;
+  histories_[piece_] = {.was_busy = passes_ > 1, .has_jumped = moved > 0.5 * all};
 }
 
 COROTET_INSTANCES_OF_SCALAR(Contacts)

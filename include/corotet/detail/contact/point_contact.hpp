@@ -5,7 +5,6 @@
 #include <cmath>
 #include <corotet/detail/core/types.hpp>
 #include <cstdint>
-#include <limits>
 
 namespace corotet::inline v0_1 {
 
@@ -93,6 +92,12 @@ struct PointContact {
     const Vec3<double> moved = end - start - led;
     tangential0 = gamma * anchor - kappa_t / gamma * tangential_part(moved);
   }
+  /// Leaves the contact without springs and without the forces of the last step: it stays open.
+  void release() {
+    phase = ContactPhase::open;
+    kappa = kappa_t = multiplier = multiplier_before = last_force = 0;
+    anchor.setZero();
+  }
   /// At the first linearisation of a step, before anything is solved: the trial impulses are those of the last step.
   void start_from_memory(double gamma) {
     normal_trial = gamma * last_force;
@@ -176,7 +181,9 @@ struct PointContact {
  private:
   [[nodiscard]] Vec3<double> law(double p_n, const Vec3<double>& q, double most) const {
     Vec3<double> p = (std::max)(0.0, p_n) * normal;
-    if (most > 0) p += (std::min)(1.0, most / (std::max)(q.norm(), (std::numeric_limits<double>::min)())) * q;
+    if (!(most > 0)) return p;
+    const double size = q.norm();
+    p += size > most ? Vec3<double>(most / size * q) : q;
     return p;
   }
 };
