@@ -65,9 +65,10 @@ struct SceneOptions {
   Material material{.young = 5e5, .poisson = 0.3, .density = 1000};
   BodyOptions body = {};
   ContactOptions contact{.friction = 0.5};
-  double tolerance = 1e-3;  ///< of the linear solver
-  V origin = V::Zero();     ///< of the mesh, to which scalars are relative
-  Index skin = 0;           ///< > 0: the points of contact are those of a grid of so many cells, embedded
+  double tolerance = 1e-3;             ///< of the linear solver
+  V origin = V::Zero();                ///< of the mesh, to which scalars are relative
+  Index skin = 0;                      ///< > 0: the points of contact are those of a grid of so many cells, embedded
+  bool keeps_angular_momentum = true;  ///< see StepOptions
   /// More blocks, which do not touch the first.
   std::vector<BlockOptions> pieces = {};
 };
@@ -108,6 +109,8 @@ class Scene {
   virtual StepReport step_body(double h, ExecutorRef executor) = 0;
   /// Whether the contacts are a term of the steps.
   bool has_contacts = true;
+  /// Coefficient against obstacles that have none of their own.
+  double friction = 0;
 
   [[nodiscard]] virtual const ContactReport& report() const = 0;
   [[nodiscard]] virtual std::span<const Touch> touches() const = 0;

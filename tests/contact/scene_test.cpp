@@ -31,8 +31,10 @@ class SceneOf final : public Scene {
 
   SceneOf(const Method& method, const SceneOptions& options)
       : body_(must(Body::create(mesh_of(options), options.material, options.body))),
-        integrator_(body_, SolverOptions{.tolerance = options.tolerance}, step_options(method)),
-        contacts_(points_of(options, body_.mesh()), obstacles, options.contact) {}
+        integrator_(body_, SolverOptions{.tolerance = options.tolerance}, step_options(method, options)),
+        contacts_(points_of(options, body_.mesh()), obstacles, options.contact) {
+    friction = options.contact.friction;
+  }
 
   StepReport step_body(double h, ExecutorRef executor) override {
     StepContext<S> context;
@@ -99,8 +101,9 @@ class SceneOf final : public Scene {
     Obstacles obstacles;
   };
 
-  static StepOptions step_options(const Method& method) {
+  static StepOptions step_options(const Method& method, const SceneOptions& scene) {
     StepOptions options;
+    options.keeps_angular_momentum = scene.keeps_angular_momentum;
     if (method.newton) {
       options.iterations = 10;
       options.tangent = Tangent::consistent;
@@ -217,7 +220,7 @@ TEST_P(ContactBits, ObstaclesOutOfReachLeaveNoTrace) {
       << "a disabled obstacle around it";
 }
 
-TEST_P(ContactBits, AreTheSameInEachRunAndOnAnyNumberOfThreads) {
+TEST_P(ContactBits, AreTheSameInEachRun) {
   const std::string reference = run_bits(*tumbling(method()), 40);
   EXPECT_TRUE(reference == run_bits(*tumbling(method()), 40)) << "a second run";
 }
@@ -237,11 +240,15 @@ TEST_P(ContactBits, OfACopyGoOnAsThoseOfItsOriginal) {
 
 TEST(ContactThreads, DoNotChangeABit) {
   for (const Method& method : {euler, Method{Kind::float_tet10_bdf2, true}}) {
-    const auto start = [&] { return tumbling(method, method.is_tet4() ? 12 : 11); };  // several ranges of each loop
-    const std::string serial = run_bits(*start(), 25);
+    const auto start = [&] {  // it lands in the first steps, and has several ranges of each loop
+      auto scene = tumbling(method, method.is_tet4() ? 11 : 9);
+      scene->throw_with(constant({0, 0, -10}));
+      return scene;
+    };
+    const std::string serial = run_bits(*start(), 8);
     for (const int threads : {2, 4}) {
       ThreadPool pool(threads);
-      EXPECT_TRUE(serial == run_bits(*start(), 25, pool)) << threads << " threads, " << name_of(method);
+      EXPECT_TRUE(serial == run_bits(*start(), 8, pool)) << threads << " threads, " << name_of(method);
     }
   }
 }
