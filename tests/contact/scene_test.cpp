@@ -241,7 +241,7 @@ TEST_P(ContactBits, OfACopyGoOnAsThoseOfItsOriginal) {
 TEST(ContactThreads, DoNotChangeABit) {
   for (const Method& method : {euler, Method{Kind::float_tet10_bdf2, true}}) {
     const auto start = [&] {  // it lands in the first steps, and has several ranges of each loop
-      auto scene = tumbling(method, method.is_tet4() ? 11 : 9);
+      auto scene = tumbling(method, method.is_tet4() ? 9 : 7);
       scene->throw_with(constant({0, 0, -10}));
       return scene;
     };
