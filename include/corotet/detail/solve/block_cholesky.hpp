@@ -4,6 +4,7 @@
 #include <array>
 #include <concepts>
 #include <corotet/detail/assembly/block_matrix.hpp>
+#include <corotet/detail/core/assert.hpp>
 #include <corotet/detail/core/buffer.hpp>
 #include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/memory_use.hpp>
@@ -28,14 +29,11 @@ namespace corotet::inline v0_1 {
 /// pattern is shared. Nothing allocates but `analyze`. Left-looking by columns, after Davis 2006, "Direct Methods for
 /// Sparse Linear Systems", section 4.8.
 ///
-/// While L is made it is kept in `Working`. If that is double: `begin`, the values of A by `entry`, `factorize`, then
-/// any number of `solve`; L is rounded in place. If it is float, as Scalar: `factorize(pattern, entry)`, which takes
-/// half the memory, twice the time, and gives the same factor (detail::CompensatedColumn).
-template <std::floating_point Scalar, int B = 3, std::floating_point Working = double>
+/// `begin`, the values of A by `entry`, `factorize`, then any number of `solve`. A compact one, of blocks of 3x3 in
+/// float, keeps L in float while it is made, too, and takes A as `factorize(pattern, entry)` asks for it: half the
+/// memory for the same factor, in half as much time again (detail::CompensatedColumn).
+template <std::floating_point Scalar, int B = 3>
 class BlockCholesky {
-  static constexpr bool in_place = std::same_as<Working, double>;
-  static_assert(in_place || (B == 3 && std::same_as<Working, Scalar>));
-
  public:
   using Block = Matrix<double, B, B>;  ///< of the matrix, in double
   /// Of a segment: B numbers and zeros.
@@ -63,13 +61,13 @@ class BlockCholesky {
   COROTET_COLD void analyze(const BlockPattern& pattern) {
     analyze(detail::Shared<detail::SymbolicFactor>::make(pattern));
   }
-  /// The same with a symbolic factor that others hold as well.
-  COROTET_COLD void analyze(detail::Shared<detail::SymbolicFactor> symbolic) {
+  /// The same with a symbolic factor that others hold as well. `compact`: only where `can_be_compact`.
+  COROTET_COLD void analyze(detail::Shared<detail::SymbolicFactor> symbolic, bool compact = false) {
     *this = {};
     symbolic_ = std::move(symbolic);
     if (!symbolic_->fits()) return;
-    value_ = detail::Buffer<Working>(block_size * symbolic_->blocks + padding);
-    if (!in_place) column_ = detail::CompensatedColumn<Scalar>(symbolic_->max_column());
+    value_ = detail::Buffer<double>(compact ? (numbers() * sizeof(Scalar) - 1) / sizeof(double) + 1 : numbers());
+    if (compact) column_ = detail::CompensatedColumn<Scalar>(symbolic_->max_column());
     segment_ = detail::Scratch<Scalar>(at(rows()) * width);
     index_ = detail::Scratch<Index>(std::size_t{4} * at(rows()));
   }
@@ -86,9 +84,8 @@ class BlockCholesky {
   [[nodiscard]] double factor_flops() const { return 1.0 * B * B * B * symbolic_->squares; }
 
   /// Sets A to zero, and forgets the factor.
-  void begin()
-    requires(in_place)
-  {
+  void begin() {
+    COROTET_ASSERT(column_.bytes() == 0, "a compact factor takes its matrix block by block: factorize(pattern, entry)");
     has_factor_ = false;
     std::memset(value_.data(), 0, value_.size() * sizeof(double));
   }
@@ -97,16 +94,10 @@ class BlockCholesky {
   [[nodiscard]] bool takes(Index slot) const { return symbolic_->position[at(slot)] >= 0; }
 
   /// That block. Between `begin` and `factorize`; different slots by different threads at the same time, if need be.
-  [[nodiscard]] detail::MatrixView<double, B, B> entry(Index slot)
-    requires(in_place)
-  {
-    return block(symbolic_->position[at(slot)]);
-  }
+  [[nodiscard]] detail::MatrixView<double, B, B> entry(Index slot) { return block(symbolic_->position[at(slot)]); }
 
   /// False if a pivot is not positive definite to rounding: then there is no factor.
-  bool factorize()
-    requires(in_place)
-  {
+  bool factorize() {
     const Index n = rows();
     Index *const first = index_.data(), *const next = first + n, *const done = next + n, *const place = done + n;
     for (Index k = 0; k < n; ++k) first[k] = -1;
@@ -139,7 +130,6 @@ class BlockCholesky {
 
   /// The factor of a matrix on the pattern that was analysed.
   template <std::floating_point Other>
-    requires(in_place)
   bool factorize(const BlockMatrix<Other, B>& matrix) {
     begin();
     for (Index k = 0; k < matrix.pattern().blocks(); ++k)
@@ -147,20 +137,25 @@ class BlockCholesky {
     return factorize();
   }
 
-  /// The factor of a symmetric matrix on the pattern that was analysed; `entry(i, slot)` returns its block in slot
-  /// `slot` of row i, in double.
+  /// Whether there is a compact factor of this kind.
+  static constexpr bool can_be_compact = B == 3 && std::same_as<Scalar, float>;
+
+  /// The compact factor of a symmetric matrix on the pattern that was analysed; `entry(i, slot)` returns its block in
+  /// slot `slot` of row i, in double. False if a pivot is not positive definite to rounding.
   template <std::invocable<Index, Index> Entry>
-    requires(!in_place)
+    requires can_be_compact
   bool factorize(const BlockPattern& pattern, const Entry& entry) {
+    COROTET_ASSERT(column_.bytes() > 0, "analyze this factor as a compact one");
     has_factor_ = false;
-    std::memset(value_.data(), 0, value_.size() * sizeof(Working));
+    std::memset(value_.data(), 0, value_.size() * sizeof(double));
+    Scalar* const all = reinterpret_cast<Scalar*>(value_.data());
     const Index n = rows();
     const Index* const row = symbolic_->row.data();
     Index *const first = index_.data(), *const next = first + n, *const done = next + n, *const place = done + n;
     for (Index k = 0; k < n; ++k) first[k] = -1;
     for (Index k = 0; k < n; ++k) {
       const Index begin = start(k), count = start(k + 1) - begin, i = symbolic_->order[at(k)];
-      Scalar* const own = value_.data() + block_size * at(begin);
+      Scalar* const own = all + block_size * at(begin);
       for (Index p = 0; p < count; ++p) place[row[begin + p]] = p;
       column_.begin(own, at(count));
       for (Index slot = pattern.row_start[at(i)]; slot < pattern.row_start[at(i) + 1]; ++slot)
@@ -173,7 +168,7 @@ class BlockCholesky {
         j = following;
       }
       if (!column_.finish(at(count), own)) return false;
-      column_.compensate(own, row + begin, at(count), *symbolic_, value_.data());
+      column_.compensate(own, row + begin, at(count), *symbolic_, all);
       wait(k, begin + 1, first, next, done);
     }
     has_factor_ = true;
@@ -208,7 +203,7 @@ class BlockCholesky {
 
   /// The factor, if there is one.
   COROTET_COLD void visit_state(detail::StateArchive& archive) {
-    const std::size_t count = archive.some(reinterpret_cast<Scalar*>(value_.data()), has_factor_ ? value_.size() : 0);
+    const std::size_t count = archive.some(reinterpret_cast<Scalar*>(value_.data()), has_factor_ ? numbers() : 0);
     if (archive.reads()) has_factor_ = count > 0;
   }
 
@@ -223,11 +218,14 @@ class BlockCholesky {
   static constexpr std::size_t padding = width;  // numbers that are read behind the last block
   using Substitution = detail::BlockSubstitution<Scalar, B>;
 
-  [[nodiscard]] detail::Buffer<Working> copy_of_values() const {
-    detail::Buffer<Working> copy = value_.without_values();
-    if (has_factor_) std::memcpy(copy.data(), value_.data(), value_.size() * sizeof(Scalar));
+  [[nodiscard]] detail::Buffer<double> copy_of_values() const {
+    detail::Buffer<double> copy = value_.without_values();
+    if (has_factor_) std::memcpy(copy.data(), value_.data(), numbers() * sizeof(Scalar));
     return copy;
   }
+
+  /// In Scalar, with those that are read behind the last block.
+  [[nodiscard]] std::size_t numbers() const { return block_size * symbolic_->blocks + padding; }
 
   [[nodiscard]] Index start(Index column) const { return symbolic_->column_start[at(column)]; }
 
@@ -302,10 +300,10 @@ class BlockCholesky {
   }
 
   detail::Shared<detail::SymbolicFactor> symbolic_;
-  detail::Buffer<Working> value_;
+  detail::Buffer<double> value_;
   detail::Scratch<Scalar> segment_;
   detail::Scratch<Index> index_;              // see factorize
-  detail::CompensatedColumn<Scalar> column_;  // empty where L is made in place
+  detail::CompensatedColumn<Scalar> column_;  // of a compact factor; of another it is empty
   bool has_factor_ = false;
 };
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <concepts>
 #include <corotet/detail/assembly/block_matrix.hpp>
 #include <corotet/detail/core/buffer.hpp>
 #include <corotet/detail/core/compiler.hpp>
@@ -48,7 +47,7 @@ class WarpedCholesky {
     PaddedField<Scalar> padded(rest.size());
     for (std::size_t v = 0; v < rest.size(); ++v) padded[v].set(rest[v]);
     rest_ = detail::Shared<PaddedField<Scalar>>::make(std::move(padded));
-    cholesky_.analyze(std::move(symbolic));
+    cholesky_.analyze(std::move(symbolic), compact);
     rotation_ = detail::Scratch<Mat3<Scalar>>(rest.size());
     sum_ = DeterministicSum(size_of(rest));
   }
@@ -99,6 +98,8 @@ class WarpedCholesky {
  private:
   using Q = detail::Vec4<Scalar>;
   using Columns = std::array<Q, 3>;
+  static constexpr bool compact = BlockCholesky<Scalar>::can_be_compact;
+  static_assert(BlockCholesky<Scalar>::width == 4);
 
   /// Of a matrix, each with a number without meaning behind it.
   [[nodiscard]] COROTET_ALWAYS_INLINE static Columns columns(const Mat3<Scalar>& m) {
@@ -119,7 +120,7 @@ class WarpedCholesky {
         for (int c = 0; c < 3; ++c) block(c, c) *= 1 + shift;
       return block;
     };
-    if constexpr (std::same_as<Scalar, double>) {
+    if constexpr (!compact) {
       cholesky_.begin();
       for_ranges(executor, p.rows(), DeterministicSum::grain, [&](Index begin, Index end) {
         for (Index i = begin; i < end; ++i)
@@ -165,8 +166,7 @@ class WarpedCholesky {
   std::shared_ptr<const BlockPattern> pattern_;
   detail::Shared<PaddedField<Scalar>> rest_;  // m
   detail::Scratch<Mat3<Scalar>> rotation_;    // of each vertex, as `update` found it
-  BlockCholesky<Scalar, 3, Scalar> cholesky_;
-  static_assert(decltype(cholesky_)::width == 4);
+  BlockCholesky<Scalar> cholesky_;
   RefactorizationPolicy policy_;
   DeterministicSum sum_;
 };
