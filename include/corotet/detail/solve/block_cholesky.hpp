@@ -45,8 +45,7 @@ class BlockCholesky {
       : symbolic_(other.symbolic_),
         value_(other.copy_of_values()),
         segment_(other.segment_),
-        index_(other.index_),
-        column_(other.column_),
+        work_(other.work_),
         has_factor_(other.has_factor_) {}
   BlockCholesky(BlockCholesky&&) noexcept = default;
   /// Copies share the symbolic part.
@@ -67,9 +66,9 @@ class BlockCholesky {
     symbolic_ = std::move(symbolic);
     if (!symbolic_->fits()) return;
     value_ = detail::Buffer<double>(compact ? (numbers() * sizeof(Scalar) - 1) / sizeof(double) + 1 : numbers());
-    if (compact) column_ = detail::CompensatedColumn<Scalar>(symbolic_->max_column());
     segment_ = detail::Scratch<Scalar>(at(rows()) * width);
-    index_ = detail::Scratch<Index>(std::size_t{4} * at(rows()));
+    const std::size_t column = compact ? detail::CompensatedColumn<Scalar>::bytes_for(symbolic_->max_column()) : 0;
+    work_ = detail::Scratch<std::byte>(index_bytes() + column);
   }
 
   /// False before `analyze`, and for a factor that cannot be indexed: then nothing below may be called.
@@ -85,7 +84,8 @@ class BlockCholesky {
 
   /// Sets A to zero, and forgets the factor.
   void begin() {
-    COROTET_ASSERT(column_.bytes() == 0, "a compact factor takes its matrix block by block: factorize(pattern, entry)");
+    COROTET_ASSERT(value_.size() == numbers(),
+                   "a compact factor takes its matrix block by block: factorize(pattern, entry)");
     has_factor_ = false;
     std::memset(value_.data(), 0, value_.size() * sizeof(double));
   }
@@ -99,7 +99,8 @@ class BlockCholesky {
   /// False if a pivot is not positive definite to rounding: then there is no factor.
   bool factorize() {
     const Index n = rows();
-    Index *const first = index_.data(), *const next = first + n, *const done = next + n, *const place = done + n;
+    Index *const first = reinterpret_cast<Index*>(work_.data()), *const next = first + n, *const done = next + n,
+                 *const place = done + n;
     for (Index k = 0; k < n; ++k) first[k] = -1;
     for (Index k = 0; k < n; ++k) {
       const Index begin = start(k), end = start(k + 1);
@@ -145,30 +146,32 @@ class BlockCholesky {
   template <std::invocable<Index, Index> Entry>
     requires can_be_compact
   bool factorize(const BlockPattern& pattern, const Entry& entry) {
-    COROTET_ASSERT(column_.bytes() > 0, "analyze this factor as a compact one");
+    COROTET_ASSERT(value_.size() < numbers(), "analyze this factor as a compact one");
     has_factor_ = false;
     std::memset(value_.data(), 0, value_.size() * sizeof(double));
     Scalar* const all = reinterpret_cast<Scalar*>(value_.data());
     const Index n = rows();
     const Index* const row = symbolic_->row.data();
-    Index *const first = index_.data(), *const next = first + n, *const done = next + n, *const place = done + n;
+    Index *const first = reinterpret_cast<Index*>(work_.data()), *const next = first + n, *const done = next + n,
+                 *const place = done + n;
+    detail::CompensatedColumn<Scalar> made(work_.data() + index_bytes(), symbolic_->max_column());
     for (Index k = 0; k < n; ++k) first[k] = -1;
     for (Index k = 0; k < n; ++k) {
       const Index begin = start(k), count = start(k + 1) - begin, i = symbolic_->order[at(k)];
       Scalar* const own = all + block_size * at(begin);
       for (Index p = 0; p < count; ++p) place[row[begin + p]] = p;
-      column_.begin(own, at(count));
+      made.begin(own, at(count));
       for (Index slot = pattern.row_start[at(i)]; slot < pattern.row_start[at(i) + 1]; ++slot)
         if (const Index j = symbolic_->place[at(pattern.column[at(slot)])]; j >= k)
-          column_.add(place[j], entry(i, slot).transpose());
+          made.add(place[j], entry(i, slot).transpose());
       for (Index j = first[k]; j >= 0;) {
         const Index from = done[j], following = next[j];
-        column_.subtract(values(from), row + from, start(j + 1) - from, place);
+        made.subtract(values(from), row + from, start(j + 1) - from, place);
         wait(j, from + 1, first, next, done);
         j = following;
       }
-      if (!column_.finish(at(count), own)) return false;
-      column_.compensate(own, row + begin, at(count), *symbolic_, all);
+      if (!made.finish(at(count), own)) return false;
+      made.compensate(own, row + begin, at(count), *symbolic_, all);
       wait(k, begin + 1, first, next, done);
     }
     has_factor_ = true;
@@ -209,7 +212,7 @@ class BlockCholesky {
 
   /// Bytes of its own, and those that copies share.
   [[nodiscard]] MemoryUse memory() const {
-    return {detail::bytes_of(value_) + detail::bytes_of(segment_) + detail::bytes_of(index_) + column_.bytes(),
+    return {detail::bytes_of(value_) + detail::bytes_of(segment_) + detail::bytes_of(work_),
             symbolic_ ? symbolic_->bytes() : 0};
   }
 
@@ -225,6 +228,7 @@ class BlockCholesky {
   }
 
   /// In Scalar, with those that are read behind the last block.
+  [[nodiscard]] std::size_t index_bytes() const { return std::size_t{4} * sizeof(Index) * at(rows()); }
   [[nodiscard]] std::size_t numbers() const { return block_size * symbolic_->blocks + padding; }
 
   [[nodiscard]] Index start(Index column) const { return symbolic_->column_start[at(column)]; }
@@ -302,8 +306,7 @@ class BlockCholesky {
   detail::Shared<detail::SymbolicFactor> symbolic_;
   detail::Buffer<double> value_;
   detail::Scratch<Scalar> segment_;
-  detail::Scratch<Index> index_;              // see factorize
-  detail::CompensatedColumn<Scalar> column_;  // of a compact factor; of another it is empty
+  detail::Scratch<std::byte> work_;  // of factorize: four Index a row, and of a compact factor a column
   bool has_factor_ = false;
 };
 

@@ -3,9 +3,7 @@
 
 #include <array>
 #include <concepts>
-#include <corotet/detail/core/buffer.hpp>
 #include <corotet/detail/core/compiler.hpp>
-#include <corotet/detail/core/memory_use.hpp>
 #include <corotet/detail/core/register.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/solve/small_cholesky.hpp>
@@ -21,15 +19,18 @@ namespace corotet::inline v0_1::detail {
 template <std::floating_point Scalar>
 class CompensatedColumn {
  public:
-  CompensatedColumn() = default;
-  /// For columns of at most so many blocks.
-  explicit CompensatedColumn(std::size_t blocks) : number_(stride * blocks), lost_(9 * blocks + 1) {}
+  /// In memory of the caller's, aligned for double, of bytes_for(blocks): for columns of at most so many blocks.
+  CompensatedColumn(std::byte* memory, std::size_t blocks)
+      : number_(reinterpret_cast<double*>(memory)), lost_(reinterpret_cast<Scalar*>(number_ + stride * blocks)) {}
+  [[nodiscard]] static std::size_t bytes_for(std::size_t blocks) {
+    return stride * blocks * sizeof(double) + (9 * blocks + 1) * sizeof(Scalar);
+  }
 
   /// Sets the column to minus the `count` blocks at `lost`, which earlier columns have left there.
   void begin(const Scalar* lost, std::size_t count) {
     for (std::size_t p = 0; p < count; ++p)
       for (std::size_t c = 0; c < 3; ++c) {
-        double* const target = number_.data() + stride * p + 4 * c;
+        double* const target = number_ + stride * p + 4 * c;
         for (std::size_t i = 0; i < 3; ++i) target[i] = -static_cast<double>(lost[9 * p + 3 * c + i]);
         target[3] = 0;
       }
@@ -46,7 +47,7 @@ class CompensatedColumn {
   void subtract(const Scalar* source, const Index* row, Index count, const Index* place) {
     const Mat3<double> factor = Mat3<Scalar>::load(source).template cast<double>();
     for (Index p = 0; p < count; ++p) {
-      double* const target = number_.data() + stride * at(place[row[p]]);
+      double* const target = number_ + stride * at(place[row[p]]);
       std::array<Column, 3> sum{Column::load(target), Column::load(target + 4), Column::load(target + 8)};
       COROTET_UNROLL
       for (int r = 0; r < 3; ++r) {
@@ -73,6 +74,7 @@ class CompensatedColumn {
         lost_[9 * p + i] = static_cast<Scalar>(exact[i] - static_cast<double>(rounded));
       }
     }
+    lost_[9 * count] = 0;  // is read with the last block
     return true;
   }
 
@@ -83,7 +85,7 @@ class CompensatedColumn {
     const Index* const row = factor.row.data();
     using Q = Vec4<Scalar>;
     for (std::size_t b = 1; b < count; ++b) {
-      const Scalar *const rounded = own + 9 * b, *const lost = lost_.data() + 9 * b;
+      const Scalar *const rounded = own + 9 * b, *const lost = lost_ + 9 * b;
       Index place = factor.column_start[at(own_row[b])];
       for (std::size_t a = b; a < count; ++a) {
         while (row[place] != own_row[a]) ++place;
@@ -91,7 +93,7 @@ class CompensatedColumn {
         std::array<Q, 3> sum{Q::load(target), Q::load(target + 3), Q::load(target + 6)};
         COROTET_UNROLL
         for (std::size_t r = 0; r < 3; ++r) {
-          const Q e = Q::load(lost_.data() + 9 * a + 3 * r), l = Q::load(own + 9 * a + 3 * r);
+          const Q e = Q::load(lost_ + 9 * a + 3 * r), l = Q::load(own + 9 * a + 3 * r);
           COROTET_UNROLL
           for (std::size_t c = 0; c < 3; ++c) sum[c] += e * Q(rounded[3 * r + c]) + l * Q(lost[3 * r + c]);
         }
@@ -101,8 +103,6 @@ class CompensatedColumn {
       }
     }
   }
-
-  [[nodiscard]] std::size_t bytes() const { return bytes_of(number_) + bytes_of(lost_); }
 
  private:
   using Column = SimdVec<double, 4>;  // of a 3x3 block, and a number without meaning
@@ -115,8 +115,8 @@ class CompensatedColumn {
     return m;
   }
 
-  Scratch<double> number_;
-  Scratch<Scalar> lost_;  // E
+  double* number_;
+  Scalar* lost_;  // E
 };
 
 }  // namespace corotet::inline v0_1::detail
