@@ -53,6 +53,7 @@
 #include <corotet/result.hpp>
 #include <corotet/snapshot.hpp>
 #include <corotet/soft_body.hpp>
+#include <corotet/soft_contact.hpp>
 #include <corotet/solvers.hpp>
 #include <corotet/static_solve.hpp>
 #include <corotet/surface.hpp>

@@ -25,59 +25,69 @@ struct ContactQuery {
   return query.end - query.start - query.h * obstacle.velocity_at(query.start);
 }
 
-/// The contact of a point with an obstacle, if its path may end there: the distance is followed along the path (sphere
-/// tracing: Hart 1996), so that no speed leaps over a thin obstacle. The path is looked at up to `reach_factor` times
-/// its length. `before`: the memory of the last step, or null. Without a contact, sets `slack` to how far the point may
-/// end from `query.end` and still miss the obstacle, m, if that is less.
+/// Where a path meets a surface, and what the surface is like there.
+struct PathHit {
+  Vec3<double> place;
+  SurfaceDistance surface;
+};
+
+/// Where a point may come to touch: the distance `distance_at(place)` is followed along its path (sphere tracing: Hart
+/// 1996), so that no speed leaps over a thin obstacle. The path is looked at up to `reach_factor` times its length.
+/// `surface`: the distance at the start. Without a hit, sets `slack` to how far the point may end from `query.end` and
+/// still miss the surface, m, if that is less.
+template <class DistanceAt>
+[[nodiscard]] std::optional<PathHit> follow_path(const ContactQuery& query, const Vec3<double>& path,
+                                                 SurfaceDistance surface, double reach_factor,
+                                                 const DistanceAt& distance_at, double& slack) {
+  const double length = path.norm(), reach = reach_factor * length;
+  if (surface.distance > reach + query.near_distance) {
+    slack = (std::min)(slack, surface.distance - length);
+    return std::nullopt;
+  }
+  if (surface.distance <= query.near_distance || reach <= surface.distance) return PathHit{query.start, surface};
+  constexpr int max_samples = 64;
+  constexpr double touching = 0.1;
+  const Vec3<double> direction = path / length;
+  double way = 0;
+  for (int i = 0; i < max_samples && way < reach && surface.distance > touching * query.near_distance; ++i) {
+    way = (std::min)(way + surface.distance, reach);
+    surface = distance_at(query.start + way * direction);
+  }
+  // Samples may end before a path that grazes the surface does: then the plane at the last one is the contact.
+  if (surface.distance > query.near_distance && !(way < reach)) {
+    slack = (std::min)(slack, touching / 2 * query.near_distance);  // between samples, half the distance there
+    return std::nullopt;
+  }
+  return PathHit{query.start + way * direction, surface};
+}
+
+/// The contact of a point with an obstacle, if its path may end there. `before`: the memory of the last step, or null.
+/// For the others see follow_path.
 [[nodiscard]] inline std::optional<PointContact> find_contact(const ContactQuery& query, const Obstacle& obstacle,
                                                               double reach_factor, const ContactMemory* before,
                                                               double& slack) {
-  const Vec3<double> path = path_of(query, obstacle);
-  const double length = path.norm(), reach = reach_factor * length;
-  SurfaceDistance surface = obstacle.distance(query.start);
-  surface.distance -= query.margin;
+  const auto distance_at = [&](const Vec3<double>& place) {
+    SurfaceDistance surface = obstacle.distance(place);
+    surface.distance -= query.margin;
+    return surface;
+  };
+  SurfaceDistance surface = distance_at(query.start);
   if (before != nullptr) {  // a point that came in by one side of a thin obstacle leaves by that one
     const Vec3<double> normal = obstacle.to_world(before->normal);
     if (surface.normal.dot(normal) < -0.5)
       surface = {normal.dot(query.start - obstacle.pose().position - obstacle.to_world(before->place)), normal};
   }
-  if (surface.distance > reach + query.near_distance) {
-    slack = (std::min)(slack, surface.distance - length);
-    return std::nullopt;
-  }
+  const auto hit = follow_path(query, path_of(query, obstacle), surface, reach_factor, distance_at, slack);
+  if (!hit) return std::nullopt;
 
   PointContact contact;
-  contact.reference = query.start;
-  if (surface.distance > query.near_distance && reach > surface.distance) {
-    constexpr int max_samples = 64;
-    constexpr double touching = 0.1;
-    const Vec3<double> direction = path / length;
-    double way = 0;
-    for (int i = 0; i < max_samples && way < reach && surface.distance > touching * query.near_distance; ++i) {
-      way = (std::min)(way + surface.distance, reach);
-      surface = obstacle.distance(query.start + way * direction);
-      surface.distance -= query.margin;
-    }
-    // Samples may end before a path that grazes the surface does: then the plane at the last one is the contact.
-    if (surface.distance > query.near_distance && !(way < reach)) {
-      slack = (std::min)(slack, touching / 2 * query.near_distance);  // between samples, half the distance there
-      return std::nullopt;
-    }
-    contact.reference += way * direction;
-  }
-  contact.normal = surface.normal;
+  contact.reference = hit->place;
+  contact.normal = hit->surface.normal;
   contact.start = query.start;
   contact.led = query.h * obstacle.velocity_at(query.start);
   contact.arm = query.start - obstacle.pose().position;
-  contact.measured_gap = surface.distance;
-  contact.gap = (std::max)(surface.distance, -query.max_depenetration * query.h);
-  if (before == nullptr) return contact;
-
-  contact.multiplier = contact.multiplier_before = before->multiplier;
-  contact.last_force = before->force;
-  contact.anchor = contact.tangential_part(before->friction);  // turned with the surface, not shortened
-  const double size = contact.anchor.norm();
-  if (size > 0) contact.anchor *= before->friction.norm() / size;
+  contact.set_gap(hit->surface.distance, query.max_depenetration * query.h);
+  if (before != nullptr) contact.take(*before);
   return contact;
 }
 

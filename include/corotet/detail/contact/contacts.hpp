@@ -5,6 +5,7 @@
 #include <cmath>
 #include <concepts>
 #include <corotet/detail/contact/contact_compliance.hpp>
+#include <corotet/detail/contact/contact_iteration.hpp>
 #include <corotet/detail/contact/contact_options.hpp>
 #include <corotet/detail/contact/contact_points.hpp>
 #include <corotet/detail/contact/contact_set.hpp>
@@ -98,11 +99,6 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
     bool was_busy = false, has_jumped = false;
   };
 
-  // The spring of a contact is that of the matrix's diagonal at its point, but all springs together are at most so many
-  // times the mass of the body: the error of the linear solve would move stiffer ones.
-  static constexpr double body_mass_ratio = 1000;
-  static constexpr double depth_share = 1e-3;  // of the points' extent: deeper, the multipliers follow in the step
-
   [[nodiscard]] static Vec3<double> centre_of_mass(const TermState<Scalar>& state);
   /// What a point has of a field of changes in the frame of the linearisation, in space.
   [[nodiscard]] Vec3<double> value_of(Index point, const Field<Scalar>& field) const {
@@ -138,9 +134,8 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
   void choose_spring(Contact& contact, const PassSystem<Scalar>& system);
   void add_to_matrix(const Contact& contact, const Mat3<Scalar>& k, BlockMatrix<Scalar>& matrix) const;
   [[nodiscard]] bool find_crossings(const PassSystem<Scalar>& system);
-  [[nodiscard]] bool augment();
   /// From some pass on, so that the passes converge.
-  [[nodiscard]] bool keeps_limits() const { return revisions_ > 6; }
+  [[nodiscard]] bool keeps_limits() const { return revisions_ > detail::last_free_revision; }
   void add(const PaddedField<Scalar>& x, PaddedField<Scalar>& y) const override;
 
   ContactOptions options_;
@@ -154,8 +149,9 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
   std::vector<History> histories_ = std::vector<History>(1);
   std::size_t piece_ = 0;                             // that is stepped
   Vec3<double> start_centre_ = Vec3<double>::Zero();  // of the body's mass, if there is a free obstacle
-  int revisions_ = 0, augmentations_ = 0;             // of this linearisation
-  double spring_cap_ = 0;                             // of the mass
+  int revisions_ = 0;                                 // of this linearisation
+  detail::Augmentations augmentations_;
+  double spring_cap_ = 0;  // of the mass
   double h_ = 0, gamma_ = 0;
   int passes_ = 0;  // of the last linearisation
   bool has_springs_ = false, is_settled_ = true;
@@ -238,15 +234,17 @@ bool Contacts<Scalar>::linearize(PassSystem<Scalar>& system) {
     contact.impulse_in = gamma_ * contact.told;
   }
   has_springs_ = true;
-  revisions_ = augmentations_ = 0;
+  revisions_ = 0;
+  augmentations_.begin();
   update(system);
   return !set_.contacts().empty();
 }
 
 template <std::floating_point Scalar>
 void Contacts<Scalar>::choose_springs(const PassSystem<Scalar>& system) {
-  // With a free obstacle, the smaller of the two masses counts.
-  spring_cap_ = body_mass_ratio / double((std::max)(set_.contacts().size(), std::size_t{1}));
+  // The spring of a contact is that of the matrix's diagonal at its point, unless it is too stiff for the mass. With a
+  // free obstacle, the smaller of the two masses counts.
+  spring_cap_ = detail::spring_mass_ratio / double((std::max)(set_.contacts().size(), std::size_t{1}));
   for (const Contact& contact : set_.contacts())
     for_carriers(contact, [&](Index v, double weight) { share_[at(v)] += std::fabs(weight); });
   for (Contact& contact : set_.contacts()) choose_spring(contact, system);
@@ -306,25 +304,11 @@ void Contacts<Scalar>::solved(const PassSystem<Scalar>& system) {
 
 template <std::floating_point Scalar>
 bool Contacts<Scalar>::revise(const PassSystem<Scalar>& system, double error) {
-  constexpr double negligible = 1e-2;   // of the largest impulse
-  constexpr double error_share = 0.03;  // of the solution's error that reaches one contact
-  constexpr double tangential = 1e-3;
   ++revisions_;
   bool changed = find_crossings(system);
-  double largest = 0;
-  for (Contact& contact : set_.contacts()) {
-    contact.evaluate(contact.value - free_.motion(contact));
-    largest = (std::max)(largest, contact.normal_trial);
-  }
-  for (Contact& contact : set_.contacts()) {
-    const double noise = error_share * error;
-    changed = contact.judge((std::max)(negligible * largest, noise * detail::square_root(contact.kappa)),
-                            (std::max)(tangential * negligible * largest, noise * detail::square_root(contact.kappa_t)),
-                            keeps_limits()) ||
-              changed;
-  }
-  if (!changed) changed = augment();
-  return changed;
+  for (Contact& contact : set_.contacts()) contact.evaluate(contact.value - free_.motion(contact));
+  changed = detail::judge(set_.contacts(), error, keeps_limits()) || changed;
+  return changed || augmentations_.augment(set_.contacts(), gamma_, detail::deep_share * set_.extent());
 }
 
 /// What moves farther than was looked at may have leapt over an obstacle.
@@ -343,7 +327,7 @@ bool Contacts<Scalar>::find_crossings(const PassSystem<Scalar>& system) {
   set_.for_each_suspect(here, end_of, end_of_point, [&](Index p) {
     set_.find_crossings(p, end_of_point(p), [&](Contact& contact) {
       free_.add(set_.obstacles(), contact);
-      spring_cap_ = (std::min)(spring_cap_, body_mass_ratio / double(set_.size_here()));
+      spring_cap_ = (std::min)(spring_cap_, detail::spring_mass_ratio / double(set_.size_here()));
       choose_spring(contact, system);
       contact.linearize(guessed_end(p, system), gamma_, contact.kappa, contact.kappa_t);
       contact.start_from_memory(gamma_);
@@ -352,29 +336,6 @@ bool Contacts<Scalar>::find_crossings(const PassSystem<Scalar>& system) {
     });
   });
   return found;
-}
-
-/// Lets multipliers follow forces in the same step (method of multipliers), a few times: where points end far deeper
-/// than they were, and where pressure moves on, as under a ball that rolls. There the multipliers of the last step lag
-/// behind it, and would drive the ball. An impact, where all forces are new, is left to the springs.
-template <std::floating_point Scalar>
-bool Contacts<Scalar>::augment() {
-  constexpr int max_augmentations = 3;
-  constexpr double least_change = 0.02, most_change = 0.25;  // of all forces
-  if (augmentations_ == max_augmentations) return false;
-  double change = 0, all = 0;
-  bool is_deep = false;
-  for (const Contact& contact : set_.contacts()) {
-    const double force = (std::max)(0.0, contact.normal_trial) / gamma_;
-    change += std::fabs(force - contact.multiplier);
-    all += (std::max)(force, contact.multiplier);
-    is_deep = is_deep || contact.depth(gamma_) > depth_share * set_.extent();
-  }
-  const bool moves_on = change > least_change * all && change < most_change * all;
-  if (!is_deep && !moves_on) return false;
-  for (Contact& contact : set_.contacts()) contact.augment(gamma_);
-  ++augmentations_;
-  return true;
 }
 
 template <std::floating_point Scalar>

@@ -84,6 +84,20 @@ struct PointContact {
     return a.obstacle != b.obstacle ? a.obstacle < b.obstacle : a.point < b.point;
   }
 
+  /// The gap at the reference, m: of what is deeper than `undone`, the step undoes so much.
+  void set_gap(double measured, double undone) {
+    measured_gap = measured;
+    gap = (std::max)(measured, -undone);
+  }
+  /// Goes on with what the last step left. Friction is turned with the surface, not shortened.
+  void take(const ContactMemory& before) {
+    multiplier = multiplier_before = before.multiplier;
+    last_force = before.force;
+    anchor = tangential_part(before.friction);
+    const double size = anchor.norm();
+    if (size > 0) anchor *= before.friction.norm() / size;
+  }
+
   /// The spring at the velocity where forces are linearised: there the point ends at `end`, m.
   void linearize(const Vec3<double>& end, double gamma, double spring, double tangential_spring) {
     kappa = spring;

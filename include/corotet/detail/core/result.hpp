@@ -83,6 +83,7 @@ class [[nodiscard]] Result {
   Result(T value) : value_(std::move(value)), ok_(true) {}  // NOLINT(google-explicit-constructor)
   /// A failure.
   Result(const Error& error) : error_(error) {}        // NOLINT(google-explicit-constructor)
+  /// The same.
   Result(Error&& error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
   /// For the library: of an error that there is.
   Result(detail::OptionalError error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
@@ -166,7 +167,9 @@ class [[nodiscard]] Result<void> {
   Result() = default;
   /// A failure.
   Result(const Error& error) : error_(error) {}                      // NOLINT(google-explicit-constructor): as above
+  /// The same.
   Result(Error&& error) : error_(std::move(error)) {}                // NOLINT(google-explicit-constructor)
+  /// Of an error, or of none.
   Result(detail::OptionalError error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
 
   /// Whether it succeeded.

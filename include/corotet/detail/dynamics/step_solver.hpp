@@ -24,7 +24,9 @@
 #include <corotet/detail/dynamics/time_step.hpp>
 #include <corotet/detail/dynamics/turning_frame.hpp>
 #include <corotet/detail/solve/deterministic_reduction.hpp>
+#include <corotet/detail/solve/prepared_preconditioner.hpp>
 #include <corotet/detail/solve/solver.hpp>
+#include <optional>
 
 namespace corotet::inline v0_1::detail {
 
@@ -39,7 +41,7 @@ class StepSolver {
   /// Symbolic work and memory.
   COROTET_COLD StepSolver(const Body& body, const Solver& solver, const StepOptions& newton)
       : options_(newton),
-        solver_(unanalyzed(solver)),
+        solver_(detail::unanalyzed(solver)),
         equation_(body, newton.tangent),
         change_(at(body.vertex_count()), Vec3<Scalar>::Zero()),
         velocity_(change_),
@@ -121,15 +123,6 @@ class StepSolver {
   COROTET_COLD void end_terms(const Body& body, const TimeStep<Scalar>& step, const StepContext<Scalar>& context) {
     equation_.terms().set_frame({});
     equation_.terms().end_step(equation_.state(body, step, body.displacements(), body.velocities(), context.executor));
-  }
-
-  [[nodiscard]] static Solver unanalyzed(const Solver& solver) {
-    if constexpr (requires {
-                    { solver.unanalyzed() } -> std::same_as<Solver>;
-                  })
-      return solver.unanalyzed();
-    else
-      return solver;
   }
 
   /// A step, again where it has gained energy: by Newton's method, one of second order by backward Euler.
@@ -363,6 +356,12 @@ class StepSolver {
         return p.s.solver_.solve(p.system(looseness, coupling), this->change, p.context.executor);
       }
       void eliminate_pinned_rows() override { p.s.equation_.eliminate_pinned_rows(p.body); }
+      void clear_pinned(PaddedField<Scalar>& field) const override {
+        p.body.pins().for_each_component([&](std::size_t, Index v, int i) { field[at(v)][at(i)] = 0; });
+      }
+      [[nodiscard]] std::optional<PreparedPreconditioner<Scalar>> prepare() override {
+        return detail::prepare<Scalar>(p.s.solver_, p.system(1, nullptr), p.context.executor);
+      }
     };
 
     [[nodiscard]] StepSystem<Scalar> system(double looseness, const MatrixFreeTerm<Scalar>* coupling) const {

@@ -221,7 +221,9 @@ class TermSum {
   };
 
   COROTET_COLD void begin_given() {
-    for (std::size_t t = 0; t < given_.size() && piecewise_ == nullptr; ++t) piecewise_ = given_[t].piecewise();
+    for (std::size_t t = 0; t < given_.size(); ++t)
+      if (PiecewiseTerm<Scalar>* term = given_[t].piecewise())
+        if (piecewise_ == nullptr || term->joins_bodies()) piecewise_ = term;
     if (conservative_.force.empty()) {
       working_.impulse = conservative_.force = conservative_.impulse = scratch_ = product_ = working_.force;
       row_sum_.assign(working_.force.size(), Mat3<Scalar>::Zero());
@@ -250,7 +252,7 @@ class TermSum {
   TurningPlacement<Scalar> frame_;
   RayleighDamping damping_;
   Part working_, conservative_;                 // without and with an energy
-  PiecewiseTerm<Scalar>* piecewise_ = nullptr;  // the first, which drives the passes
+  PiecewiseTerm<Scalar>* piecewise_ = nullptr;  // which drives the passes
   Field<Scalar> scratch_, product_;
   detail::Buffer<Mat3<Scalar>> row_sum_;
   bool implicit_ = false;

@@ -29,6 +29,12 @@ struct Box {
       if (!(p[i] >= low[i] && p[i] <= high[i])) return false;
     return true;
   }
+  /// Whether another box has a point in common with this one.
+  [[nodiscard]] bool overlaps(const Box& other) const {
+    for (int i = 0; i < 3; ++i)
+      if (!(other.low[i] <= high[i] && other.high[i] >= low[i])) return false;
+    return true;
+  }
   /// From `p` to the nearest point of the box, m^2; 0 inside.
   [[nodiscard]] double squared_distance(const Vec3<double>& p) const {
     return (low - p).cwiseMax(p - high).cwiseMax(0.0).squaredNorm();

@@ -15,6 +15,7 @@
 #include <corotet/detail/solve/block_jacobi.hpp>
 #include <corotet/detail/solve/iteration_watch.hpp>
 #include <corotet/detail/solve/pcg.hpp>
+#include <corotet/detail/solve/prepared_preconditioner.hpp>
 #include <corotet/detail/solve/refinement.hpp>
 #include <corotet/detail/solve/rigid_aggregates.hpp>
 #include <corotet/detail/solve/solve_cost.hpp>
@@ -97,6 +98,10 @@ class AutoSolver {
   /// Solves to `options().tolerance`: an error in the energy norm as Pcg knows it, or a Euclidean residual (Cholesky,
   /// refined where one substitution is not enough).
   SolveReport solve(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor);
+
+  /// The preconditioner in use, for the matrix as it is now; empty if there is none.
+  [[nodiscard]] COROTET_COLD std::optional<detail::PreparedPreconditioner<Scalar>> prepare(
+      const StepSystem<Scalar>& system, ExecutorRef executor);
 
   /// What is used now.
   [[nodiscard]] SolverMethod method() const { return method_; }
@@ -252,6 +257,19 @@ SolveReport AutoSolver<Scalar>::solve(const StepSystem<Scalar>& system, Field<Sc
     return report;
   }
   return solve_by(methods_->diagonal, system, x, executor);
+}
+
+template <std::floating_point Scalar>
+std::optional<detail::PreparedPreconditioner<Scalar>> AutoSolver<Scalar>::prepare(const StepSystem<Scalar>& system,
+                                                                                  ExecutorRef executor) {
+  const auto prepared = [&](auto& preconditioner) {
+    preconditioner.update(system, executor);
+    return detail::PreparedPreconditioner<Scalar>{preconditioner, options_.tolerance, options_.max_iterations};
+  };
+  if (method_ == SolverMethod::cholesky) return std::nullopt;
+  if (preconditioner_ == PreconditionerKind::warped_cholesky) return prepared(methods_->warped);
+  if (preconditioner_ == PreconditionerKind::rigid_aggregates) return prepared(methods_->rigid);
+  return prepared(methods_->diagonal);
 }
 
 template <std::floating_point Scalar>

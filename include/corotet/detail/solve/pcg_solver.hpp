@@ -8,6 +8,7 @@
 #include <corotet/detail/core/state_archive.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/solve/pcg.hpp>
+#include <corotet/detail/solve/prepared_preconditioner.hpp>
 #include <corotet/detail/solve/solver.hpp>
 #include <memory>
 #include <utility>
@@ -36,6 +37,13 @@ class PcgSolver {
   SolveReport solve(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor) {
     preconditioner_.update(system, executor);
     return pcg_.solve(system, preconditioner_, x, options_, executor);
+  }
+
+  /// See AutoSolver::prepare.
+  [[nodiscard]] std::optional<detail::PreparedPreconditioner<Scalar>> prepare(const StepSystem<Scalar>& system,
+                                                                              ExecutorRef executor) {
+    preconditioner_.update(system, executor);
+    return detail::PreparedPreconditioner<Scalar>{preconditioner_, options_.tolerance, options_.max_iterations};
   }
 
   /// What it was made with.

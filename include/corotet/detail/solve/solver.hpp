@@ -93,4 +93,19 @@ concept LinearSolver = requires(S& s, const StepSystem<Scalar>& system, const Fi
   { s.solve(system, x, executor) } -> std::same_as<SolveReport>;
 };
 
+namespace detail {
+
+/// A solver of the same options, as before `analyze` if it knows how.
+template <class Solver>
+[[nodiscard]] Solver unanalyzed(const Solver& solver) {
+  if constexpr (requires {
+                  { solver.unanalyzed() } -> std::same_as<Solver>;
+                })
+    return solver.unanalyzed();
+  else
+    return solver;
+}
+
+}  // namespace detail
+
 }  // namespace corotet::inline v0_1

@@ -8,11 +8,14 @@
 #include <corotet/detail/core/register.hpp>
 #include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
+#include <corotet/detail/solve/prepared_preconditioner.hpp>
 #include <corotet/detail/solve/solver.hpp>
 #include <corotet/detail/solve/step_system.hpp>
 #include <corotet/detail/terms/step_term.hpp>
 #include <corotet/detail/terms/term_state.hpp>
 #include <cstddef>
+#include <optional>
+#include <span>
 
 namespace corotet::inline v0_1 {
 
@@ -36,6 +39,10 @@ class PassSystem {
   [[nodiscard]] virtual SolveReport solve(double looseness, const MatrixFreeTerm<Scalar>* coupling) = 0;
   /// Makes the equations of what is pinned stand alone: after each change of A.
   virtual void eliminate_pinned_rows() = 0;
+  /// Sets what is pinned to zero in a field.
+  virtual void clear_pinned(PaddedField<Scalar>& field) const = 0;
+  /// The solver's preconditioner for A as it is now, to be used until the next solve; empty if it has none.
+  [[nodiscard]] virtual std::optional<detail::PreparedPreconditioner<Scalar>> prepare() = 0;
 
  protected:
   /// Refers to the parts of a step.
@@ -96,145 +103,221 @@ class PiecewiseTerm : public StepTerm<Scalar> {
   virtual void end_passes(int passes, bool settled) = 0;
 
   /// Solves the system in passes for all piecewise terms among `terms`.
-  [[nodiscard]] virtual SolveReport solve_in_passes(PassSystem<Scalar>& system, const Terms<Scalar>& terms) {
-    return Passes(terms, system).run();
+  [[nodiscard]] virtual SolveReport solve_in_passes(PassSystem<Scalar>& system, const Terms<Scalar>& terms);
+  /// Whether this one solves for the terms of several bodies: then it is asked, whatever its place among the terms.
+  [[nodiscard]] virtual bool joins_bodies() const { return false; }
+};
+
+namespace detail {
+
+/// A body's system, and the terms that act on it.
+template <std::floating_point Scalar>
+struct PassMember {
+  PassSystem<Scalar>* system;
+  Terms<Scalar> terms;
+};
+
+/// The iteration over passes, of the systems of one body or of several that are solved as one. Virtual calls keep it
+/// out of programs that have no piecewise term.
+template <std::floating_point Scalar>
+class Passes {
+ public:
+  using Member = PassMember<Scalar>;
+
+  explicit Passes(std::span<const Member> members) : members_(members) {}
+  Passes(const Passes&) = delete;
+  Passes& operator=(const Passes&) = delete;
+  virtual ~Passes() = default;
+
+  SolveReport run() {
+    bool any = false, busy = false;
+    int most = 1;
+    for (const Member& member : members_) {
+      bool has_pieces = false;
+      for_each(member, [&](PiecewiseTerm<Scalar>& term) {
+        has_pieces = term.linearize(*member.system) || has_pieces;
+        busy = busy || term.was_busy();
+        most = (std::max)(most, term.max_passes());
+      });
+      if (has_pieces) member.system->eliminate_pinned_rows();
+      any = any || has_pieces;
+    }
+    bool is_loose = any && busy, settled = true;
+    solve(is_loose ? loose : 1);
+    int passes = 1;
+    while (is_alive()) {
+      settled = !revise();
+      if (!settled && passes < most) {
+        pass(is_loose ? loose : 1);
+        ++passes;
+        continue;
+      }
+      if (!is_loose) break;
+      is_loose = false;
+      update();
+      solve(1);
+    }
+    for_each([&](PiecewiseTerm<Scalar>& term, Member) { term.end_passes(passes, settled); });
+    return total_;
+  }
+
+ protected:
+  /// Solves all systems, each coupled by what its terms couple, to `looseness` times the solver's tolerance.
+  virtual SolveReport solve_systems(double looseness) = 0;
+
+  [[nodiscard]] std::span<const Member> members() const { return members_; }
+
+  /// Whether a term of a member couples vertices outside the pattern of its matrix.
+  [[nodiscard]] bool couples(const Member& member) const {
+    bool any = false;
+    for_each(member, [&](PiecewiseTerm<Scalar>& term) { any = any || term.coupling() != nullptr; });
+    return any;
+  }
+  /// Adds to y the product of what the terms of a member couple with x.
+  void add_coupling(const Member& member, const PaddedField<Scalar>& x, PaddedField<Scalar>& y) const {
+    for_each(member, [&](PiecewiseTerm<Scalar>& term) {
+      if (const auto* part = term.coupling()) part->add(x, y);
+    });
+    member.system->clear_pinned(y);
   }
 
  private:
-  /// The iteration over passes; virtual calls keep it out of programs that have no such term.
-  struct Passes : MatrixFreeTerm<Scalar> {
-    static constexpr double loose = 10;  // times the solver's tolerance: for passes that are judged again
+  static constexpr double loose = 10;  // times the solver's tolerance: for passes that are judged again
 
-    const Terms<Scalar>& terms;
-    PassSystem<Scalar>& system;
-    SolveReport total{};
-    bool couples = false;
+  template <class Visit>
+  static void for_each(const Member& member, const Visit& visit) {
+    for (std::size_t t = 0; t < member.terms.size(); ++t)
+      if (PiecewiseTerm<Scalar>* term = member.terms[t].piecewise()) visit(*term);
+  }
+  template <class Visit>
+  void for_each(const Visit& visit) const {
+    for (const Member& member : members_) for_each(member, [&](PiecewiseTerm<Scalar>& term) { visit(term, member); });
+  }
 
-    Passes(const Terms<Scalar>& all, PassSystem<Scalar>& of) : terms(all), system(of) {}
-
-    template <class Visit>
-    void for_each(const Visit& visit) const {
-      for (std::size_t t = 0; t < terms.size(); ++t)
-        if (PiecewiseTerm* term = terms[t].piecewise()) visit(*term);
+  void update() {
+    for (const Member& member : members_) {
+      for_each(member, [&](PiecewiseTerm<Scalar>& term) { term.update(*member.system); });
+      member.system->eliminate_pinned_rows();
     }
+  }
 
-    void add(const PaddedField<Scalar>& x, PaddedField<Scalar>& y) const override {
-      for_each([&](PiecewiseTerm& term) {
-        if (const auto* part = term.coupling()) part->add(x, y);
-      });
+  [[nodiscard]] bool is_alive() const {
+    return total_.status != SolveStatus::breakdown && total_.status != SolveStatus::invalid_options;
+  }
+
+  void solve(double looseness) {
+    const SolveReport report = solve_systems(looseness);
+    total_.iterations += report.iterations;
+    total_.residual = report.residual;
+    total_.status = report.status;
+    for_each([&](PiecewiseTerm<Scalar>& term, const Member& member) { term.solved(*member.system); });
+  }
+
+  [[nodiscard]] bool revise() {
+    double energy = 0;
+    for (const Member& member : members_) energy += dot(member.system->right_side, member.system->change);
+    const double error = total_.residual * detail::square_root((std::max)(0.0, energy));
+    bool changed = false;
+    for_each([&](PiecewiseTerm<Scalar>& term, const Member& member) {
+      changed = term.revise(*member.system, error) || changed;
+    });
+    return changed;
+  }
+
+  void pass(double looseness) {
+    update();
+    for (const Member& member : members_)
+      for (std::size_t i = 0; i < member.system->from.size(); ++i) member.system->from[i] = member.system->change[i];
+    solve(looseness);
+    if (!is_alive()) return;
+    const double fraction = search();
+    for_each([&](PiecewiseTerm<Scalar>& term, Member) { term.end_search(fraction); });
+    if (!(fraction < 1)) return;
+    for (const Member& member : members_) {
+      Field<Scalar>&change = member.system->change, &from = member.system->from;
+      for (std::size_t i = 0; i < from.size(); ++i)
+        change[i] = from[i] + static_cast<Scalar>(fraction) * (change[i] - from[i]);
     }
+  }
 
-    SolveReport run() {
-      bool any = false, busy = false;
-      int most = 1;
-      for_each([&](PiecewiseTerm& term) {
-        any = term.linearize(system) || any;
-        busy = busy || term.was_busy();
-        couples = couples || term.coupling() != nullptr;
-        most = (std::max)(most, term.max_passes());
-      });
-      if (any) system.eliminate_pinned_rows();
-      bool is_loose = any && busy, settled = true;
-      solve(is_loose ? loose : 1);
-      int passes = 1;
-      while (is_alive()) {
-        settled = !revise();
-        if (!settled && passes < most) {
-          pass(is_loose ? loose : 1);
-          ++passes;
-          continue;
-        }
-        if (!is_loose) break;
-        is_loose = false;
-        update();
-        solve(1);
-      }
-      for_each([&](PiecewiseTerm& term) { term.end_passes(passes, settled); });
-      return total;
-    }
-
-    void update() {
-      for_each([&](PiecewiseTerm& term) { term.update(system); });
-      system.eliminate_pinned_rows();
-    }
-
-    [[nodiscard]] bool is_alive() const {
-      return total.status != SolveStatus::breakdown && total.status != SolveStatus::invalid_options;
-    }
-
-    void solve(double looseness) {
-      const SolveReport report = system.solve(looseness, couples ? this : nullptr);
-      total.iterations += report.iterations;
-      total.residual = report.residual;
-      total.status = report.status;
-      for_each([&](PiecewiseTerm& term) { term.solved(system); });
-    }
-
-    [[nodiscard]] bool revise() {
-      const double error = total.residual * detail::square_root((std::max)(0.0, dot(system.right_side, system.change)));
-      bool changed = false;
-      for_each([&](PiecewiseTerm& term) { changed = term.revise(system, error) || changed; });
-      return changed;
-    }
-
-    void pass(double looseness) {
-      update();
-      for (std::size_t i = 0; i < system.from.size(); ++i) system.from[i] = system.change[i];
-      solve(looseness);
-      if (!is_alive()) return;
-      const double fraction = search();
-      for_each([&](PiecewiseTerm& term) { term.end_search(fraction); });
-      if (!(fraction < 1)) return;
-      for (std::size_t i = 0; i < system.from.size(); ++i)
-        system.change[i] = system.from[i] + static_cast<Scalar>(fraction) * (system.change[i] - system.from[i]);
-    }
-
-    /// The fraction of the way that leads to the lowest point of the convex function on it.
-    [[nodiscard]] double search() {
-      double slope = 0, curvature = 0;
-      for (Index i = 0; i < size_of(system.from); ++i)
-        system.product[at(i)] = system.change[at(i)] - system.from[at(i)];
-      for (Index i = 0; i < size_of(system.from); ++i) {
-        Vec3<Scalar> row;
-        system.matrix.row_product(i, system.product).template store_part<3>(row.data());
-        const Vec3<double> a = row.template cast<double>(), along = system.product[at(i)].template cast<double>();
-        curvature += along.dot(a);
-        slope += system.from[at(i)].template cast<double>().dot(a) -
-                 along.dot(system.right_side[at(i)].template cast<double>());
-      }
-      for_each([&](PiecewiseTerm& term) { term.begin_search(system, slope, curvature); });
-      const auto derivative = [&](double fraction) {
-        double sum = slope + fraction * curvature;
-        for_each([&](PiecewiseTerm& term) { sum += term.slope_at(fraction); });
-        return sum;
-      };
-      constexpr double enough = 0.1, accuracy = 0.05, least = 1e-3;
-      constexpr int max_trials = 30;
-      double low = 0, high = 1, at_low = derivative(0), at_high = derivative(1);
-      const double first = std::fabs(at_low);
-      if (!(at_low < 0) || at_high <= enough * first) return 1;
-      double fraction = 1;
-      for (int trial = 0; trial < max_trials; ++trial) {  // secants and bisections in turn
-        fraction = trial % 2 == 0 ? low - at_low * (high - low) / (at_high - at_low) : (low + high) / 2;
-        const double here = derivative(fraction);
-        if (std::fabs(here) < accuracy * first) break;
-        if (here < 0) {
-          low = fraction;
-          at_low = here;
-        } else {
-          high = fraction;
-          at_high = here;
-        }
-      }
-      return std::clamp(fraction, least, 1.0);
-    }
-
-    [[nodiscard]] static double dot(const Field<Scalar>& a, const Field<Scalar>& b) {
-      double sum = 0;
-      for (std::size_t i = 0; i < a.size(); ++i) sum += a[i].template cast<double>().dot(b[i].template cast<double>());
+  /// The fraction of the way that leads to the lowest point of the convex function on it.
+  [[nodiscard]] double search() {
+    double slope = 0, curvature = 0;
+    for (const Member& member : members_) add_quadratic(*member.system, slope, curvature);
+    for_each([&](PiecewiseTerm<Scalar>& term, const Member& member) {
+      term.begin_search(*member.system, slope, curvature);
+    });
+    const auto derivative = [&](double fraction) {
+      double sum = slope + fraction * curvature;
+      for_each([&](PiecewiseTerm<Scalar>& term, Member) { sum += term.slope_at(fraction); });
       return sum;
+    };
+    constexpr double enough = 0.1, accuracy = 0.05, least = 1e-3;
+    constexpr int max_trials = 30;
+    double low = 0, high = 1, at_low = derivative(0), at_high = derivative(1);
+    const double first = std::fabs(at_low);
+    if (!(at_low < 0) || at_high <= enough * first) return 1;
+    double fraction = 1;
+    for (int trial = 0; trial < max_trials; ++trial) {  // secants and bisections in turn
+      fraction = trial % 2 == 0 ? low - at_low * (high - low) / (at_high - at_low) : (low + high) / 2;
+      const double here = derivative(fraction);
+      if (std::fabs(here) < accuracy * first) break;
+      if (here < 0) {
+        low = fraction;
+        at_low = here;
+      } else {
+        high = fraction;
+        at_high = here;
+      }
     }
-  };
+    return std::clamp(fraction, least, 1.0);
+  }
+
+  /// Slope and curvature of a system's quadratic function on the way from `from` to `change`.
+  static void add_quadratic(PassSystem<Scalar>& system, double& slope, double& curvature) {
+    for (Index i = 0; i < size_of(system.from); ++i) system.product[at(i)] = system.change[at(i)] - system.from[at(i)];
+    for (Index i = 0; i < size_of(system.from); ++i) {
+      Vec3<Scalar> row;
+      system.matrix.row_product(i, system.product).template store_part<3>(row.data());
+      const Vec3<double> a = row.template cast<double>(), along = system.product[at(i)].template cast<double>();
+      curvature += along.dot(a);
+      slope += system.from[at(i)].template cast<double>().dot(a) -
+               along.dot(system.right_side[at(i)].template cast<double>());
+    }
+  }
+
+  [[nodiscard]] static double dot(const Field<Scalar>& a, const Field<Scalar>& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += a[i].template cast<double>().dot(b[i].template cast<double>());
+    return sum;
+  }
+
+  std::span<const Member> members_;
+  SolveReport total_{};
 };
+
+/// The passes of one body, by its own solver.
+template <std::floating_point Scalar>
+class PassesOfOne final : public Passes<Scalar>, private MatrixFreeTerm<Scalar> {
+ public:
+  explicit PassesOfOne(const PassMember<Scalar>& member) : Passes<Scalar>({&member, 1}) {}
+
+ private:
+  SolveReport solve_systems(double looseness) override {
+    const PassMember<Scalar>& member = this->members().front();
+    return member.system->solve(looseness, this->couples(member) ? this : nullptr);
+  }
+  void add(const PaddedField<Scalar>& x, PaddedField<Scalar>& y) const override {
+    this->add_coupling(this->members().front(), x, y);
+  }
+};
+
+}  // namespace detail
+
+template <std::floating_point Scalar>
+SolveReport PiecewiseTerm<Scalar>::solve_in_passes(PassSystem<Scalar>& system, const Terms<Scalar>& terms) {
+  const detail::PassMember<Scalar> member{&system, terms};
+  return detail::PassesOfOne<Scalar>(member).run();
+}
 
 }  // namespace corotet::inline v0_1
