@@ -59,9 +59,9 @@ struct SoftScene {
     return *members.back();
   }
 
-  void set_gravity(double g) {
-    for (auto& member : members) member->body.set_gravity({0, 0, static_cast<Scalar>(-g)});
-    obstacles.gravity = {0, 0, -g};
+  void set_gravity(double down) {
+    for (auto& member : members) member->body.set_gravity({0, 0, static_cast<Scalar>(-down)});
+    obstacles.gravity = {0, 0, -down};
   }
 
   void step(double h = 1.0 / 60, ExecutorRef executor = {}) {

@@ -93,6 +93,7 @@ class SoftContacts {
   using Memory = detail::ContactMemory;
   using Side = detail::SoftSide<Scalar>;
 
+  /// @cond
   /// A body as a term of its own step.
   struct Term final : PiecewiseTerm<Scalar> {
     SoftContacts* all = nullptr;  // while it steps
@@ -143,7 +144,6 @@ class SoftContacts {
     void add_impulses(const TermState<Scalar>& now, Field<Scalar>& impulse) const override;
     void subtract_product(const TermState<Scalar>& now, const Field<Scalar>& change,
                           Field<Scalar>& impulse) const override;
-    /// See PiecewiseTerm.
     void move(const Field<Scalar>& change) override;
     [[nodiscard]] int max_passes() const override { return all->options_.passes; }
     [[nodiscard]] bool was_busy() const override { return all->was_busy_; }
@@ -157,6 +157,8 @@ class SoftContacts {
       return contact.side == body && contact.other == body && contact.phase != ContactPhase::open;
     }
   };
+
+  /// @endcond
 
   /// The passes of all bodies of an island.
   class Joint final : public detail::Passes<Scalar> {
@@ -306,22 +308,6 @@ void SoftContacts<Scalar>::enter(std::size_t place) {
 }
 
 template <std::floating_point Scalar>
-SolveReport SoftContacts<Scalar>::Term::solve_in_passes(PassSystem<Scalar>& system, const Terms<Scalar>& terms) {
-  if (is_solved || !is_whole) return PiecewiseTerm<Scalar>::solve_in_passes(system, terms);
-  is_reached = true;
-  side().system = &system;
-  side().state = system.state;
-  all->members_.push_back({&system, terms});
-  all->member_body_.push_back(body);
-  std::size_t place = 0;
-  while (all->order_[place] != body) ++place;
-  all->enter(place + 1);
-  if (!is_solved) all->solve_members();
-  side().system = nullptr;
-  return solve_report;
-}
-
-template <std::floating_point Scalar>
 void SoftContacts<Scalar>::solve_members() {
   contacts_.begin(sides_, double(side_of(0).state.gamma));
   detail::SoftContactFinder<Scalar> finder(options_, size(), memory_, contacts_.list());
@@ -343,6 +329,23 @@ void SoftContacts<Scalar>::solve_members() {
     term_of(i).is_solved = true;
     term_of(i).solve_report = report;
   }
+}
+
+/// @cond
+template <std::floating_point Scalar>
+SolveReport SoftContacts<Scalar>::Term::solve_in_passes(PassSystem<Scalar>& system, const Terms<Scalar>& terms) {
+  if (is_solved || !is_whole) return PiecewiseTerm<Scalar>::solve_in_passes(system, terms);
+  is_reached = true;
+  side().system = &system;
+  side().state = system.state;
+  all->members_.push_back({&system, terms});
+  all->member_body_.push_back(body);
+  std::size_t place = 0;
+  while (all->order_[place] != body) ++place;
+  all->enter(place + 1);
+  if (!is_solved) all->solve_members();
+  side().system = nullptr;
+  return solve_report;
 }
 
 template <std::floating_point Scalar>
@@ -412,6 +415,8 @@ void SoftContacts<Scalar>::Term::move(const Field<Scalar>& change) {
   for (Contact& contact : all->contacts_.list())
     if (moves(contact)) contact.given -= contact.piece_stiffness * side().value(contact, change);
 }
+
+/// @endcond
 
 template <std::floating_point Scalar>
 void SoftContacts<Scalar>::end_passes(int passes, bool settled) {
