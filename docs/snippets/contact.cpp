@@ -57,6 +57,17 @@ int main() {
     obstacles.advance(h);
   }
   //! [attachment]
+
+  const SurfaceMesh surface = compact_surface(*extract_boundary(*block), block->positions).surface;
+  //! [mesh]
+  const auto rock = MeshCollider::create_centred(surface);
+  if (!rock) return 1;  // rock.error().message() names the triangle
+  const Index boulder =
+      obstacles.add(*rock, {.pose = rock->obstacle_pose({.position = {0.2, 0.2, 2}}),  // the mesh is put there
+                            .mass = 2600 * rock->properties().volume});
+  const Pose drawn = rock->mesh_pose(obstacles[boulder].pose());
+  //! [mesh]
+  if (!((drawn.position - Vec3<double>(0.2, 0.2, 2)).norm() < 1e-12)) return 1;
   std::printf("the grab pulls with %.0f N\n", grab.force().norm());
   const double weight = (body.mass().total() + 4) * 9.81;
   return on_floor > 0.9 * weight && grab.force().z() > 10 ? 0 : 1;

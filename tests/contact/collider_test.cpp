@@ -1,5 +1,6 @@
 // Laws of the shapes that bodies collide with, of ready ones and of one written here.
 #include <corotet/detail/contact/collider.hpp>
+#include <corotet/detail/contact/mesh_collider.hpp>
 #include <corotet/detail/contact/obstacles.hpp>
 #include <gtest/gtest.h>
 
@@ -9,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "contact/surfaces.hpp"
 #include "support/random.hpp"
 
 namespace corotet::collider_test {
@@ -62,6 +64,8 @@ std::vector<Sample> samples() {
          const double away = std::sqrt(p.x() * p.x() + p.y() * p.y()) - 0.5;
          return away * away + p.z() * p.z() < 0.2 * 0.2;
        }},
+      {"mesh", detail::AnyCollider(MeshCollider::create(contact_surfaces::l_surface()).value()),
+       contact_surfaces::l_contains},
   };
 }
 

@@ -14,10 +14,10 @@
 #include <corotet/detail/element/tet4.hpp>
 #include <corotet/detail/mesh/box_tree.hpp>
 #include <corotet/detail/mesh/mesh_data.hpp>
+#include <corotet/detail/mesh/signed_distance.hpp>
 #include <corotet/detail/mesh/stuffing/cut_points.hpp>
 #include <corotet/detail/mesh/stuffing/lattice.hpp>
 #include <corotet/detail/mesh/stuffing/perforation.hpp>
-#include <corotet/detail/mesh/stuffing/signed_distance.hpp>
 #include <corotet/detail/mesh/stuffing/stencils.hpp>
 #include <corotet/detail/mesh/surface_mesh.hpp>
 #include <corotet/detail/mesh/validate.hpp>
