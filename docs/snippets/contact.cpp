@@ -5,6 +5,7 @@
 #include <corotet/integrators.hpp>
 #include <corotet/mesh.hpp>
 #include <corotet/points.hpp>
+#include <corotet/sleep.hpp>
 #include <corotet/soft_body.hpp>
 #include <cstdio>
 
@@ -57,6 +58,17 @@ int main() {
     obstacles.advance(h);
   }
   //! [attachment]
+
+  context.terms = contacts;
+  //! [sleep]
+  Sleep sleep(obstacles);
+  const Index sleeper = sleep.add();  // one for each body
+  for (int step = 0; step < 600; ++step) {
+    sleep.step(sleeper, euler, body, h, context);  // steps the body, unless it sleeps
+    obstacles.advance(h);
+  }
+  //! [sleep]
+  if (!sleep.is_asleep(sleeper)) return 1;
 
   const SurfaceMesh surface = compact_surface(*extract_boundary(*block), block->positions).surface;
   //! [mesh]

@@ -51,6 +51,7 @@
 #include <corotet/models.hpp>
 #include <corotet/points.hpp>
 #include <corotet/result.hpp>
+#include <corotet/sleep.hpp>
 #include <corotet/snapshot.hpp>
 #include <corotet/soft_body.hpp>
 #include <corotet/soft_contact.hpp>

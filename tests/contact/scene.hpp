@@ -10,10 +10,12 @@
 #include <corotet/detail/mesh/make_block.hpp>
 #include <corotet/detail/mesh/mesh_data.hpp>
 #include <corotet/material.hpp>
+#include <corotet/sleep.hpp>
 #include <gtest/gtest.h>
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -109,6 +111,14 @@ class Scene {
   virtual StepReport step_body(double h, ExecutorRef executor) = 0;
   /// Whether the contacts are a term of the steps.
   bool has_contacts = true;
+  /// Lets the body sleep, whose number it is given; copied with the scene.
+  std::optional<Sleep> sleep;
+  Index sleeper = 0;
+  void let_sleep(const SleepOptions& options = {}) {
+    sleep.emplace(obstacles, options);
+    sleeper = sleep->add();
+  }
+  [[nodiscard]] bool is_asleep() const { return sleep && sleep->is_asleep(sleeper); }
   /// Coefficient against obstacles that have none of their own.
   double friction = 0;
 

@@ -40,6 +40,7 @@ class SceneOf final : public Scene {
     StepContext<S> context;
     context.executor = executor;
     if (has_contacts) context.terms = contacts_;
+    if (sleep) return sleep->step(sleeper, integrator_, body_, static_cast<S>(h), context);
     return integrator_.step(body_, static_cast<S>(h), context);
   }
 
@@ -49,7 +50,7 @@ class SceneOf final : public Scene {
   void reset_contacts() override { contacts_.reset(); }
 
   void save() override {
-    saved_.emplace(Saved{body_, integrator_, contacts_, obstacles});
+    saved_.emplace(Saved{body_, integrator_, contacts_, obstacles, sleep});
     go_back();
   }
   void go_back() override {
@@ -57,6 +58,7 @@ class SceneOf final : public Scene {
     integrator_ = saved_->integrator;
     contacts_ = saved_->contacts;
     obstacles = saved_->obstacles;
+    sleep = saved_->sleep;
   }
   [[nodiscard]] std::string bits() const override {
     std::string all;
@@ -99,6 +101,7 @@ class SceneOf final : public Scene {
     Integrator integrator;
     Contacts<S> contacts;
     Obstacles obstacles;
+    std::optional<Sleep> sleep;
   };
 
   static StepOptions step_options(const Method& method, const SceneOptions& scene) {
@@ -267,6 +270,22 @@ TEST_P(ContactBits, AStepAllocatesNothing) {
   EXPECT_GT(touching, 4);
   EXPECT_GT(passes, 1);
   EXPECT_EQ(scene->report().dropped, 0);
+}
+
+TEST(ContactAllocations, ABodyFallsAsleepAndWakesWithoutAllocating) {
+  auto scene = on_floor(euler, cube(euler, 2, 1e6));
+  scene->let_sleep();
+  scene->run(0.1);
+  const long before = testing::allocation_count;
+  int asleep = 0;
+  for (int i = 0; i < 180; ++i) {
+    scene->step();
+    asleep += scene->is_asleep();
+    if (i == 120) scene->sleep->wake(scene->sleeper);
+  }
+  EXPECT_EQ(testing::allocation_count - before, 0);
+  EXPECT_GT(asleep, 60);
+  EXPECT_LT(asleep, 150);
 }
 
 }  // namespace

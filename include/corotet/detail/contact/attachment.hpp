@@ -3,7 +3,9 @@
 
 #include <array>
 #include <concepts>
+#include <corotet/detail/contact/contact_options.hpp>
 #include <corotet/detail/contact/obstacles.hpp>
+#include <corotet/detail/contact/term_rest.hpp>
 #include <corotet/detail/core/assert.hpp>
 #include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/exactly.hpp>
@@ -73,6 +75,14 @@ class Attachment final : public StepTerm<Scalar> {
   /// Where the target was at the end of the last step, m.
   [[nodiscard]] const Vec3<double>& target() const { return target_; }
 
+  [[nodiscard]] bool describe_rest(TermRest& out) const override {
+    out.has_changed = aim() != last_;
+    if (!enabled || obstacles_ == nullptr) return true;
+    out.obstacles = obstacles_;
+    out.touches = {&touch_, 1};
+    return true;
+  }
+
   void begin_step(const TermState<Scalar>& start) override {
     yield_.setZero();
     if (obstacles_ == nullptr || !is_here(start)) return;
@@ -109,12 +119,17 @@ class Attachment final : public StepTerm<Scalar> {
   }
 
   void end_step(const TermState<Scalar>& end) override {
+    last_ = aim();
     if (!is_here(end)) return;
     force_ = force_at(end);
     if (obstacles_ == nullptr) return;
     const Vec3<double> impulse = double(end.h) * force_;
     Obstacle& obstacle = (*obstacles_)[obstacle_];
-    obstacle.take({-impulse, -obstacle.to_world(local_).cross(impulse)});
+    const Vec3<double> arm = obstacle.to_world(local_);
+    obstacle.take({-impulse, -arm.cross(impulse)});
+    touch_.obstacle = obstacle_;
+    touch_.place = obstacle.pose().position + arm;
+    touch_.impulse = impulse;
   }
 
   /// The opposite pull on another body: a term of that body's step, which comes after this one's.
@@ -125,7 +140,13 @@ class Attachment final : public StepTerm<Scalar> {
     COROTET_COLD Counterpart(const Attachment& attachment, const BodyPoint<Element>& point)
         : attachment_(&attachment), point_(point) {}
 
+    [[nodiscard]] bool describe_rest(TermRest& out) const override {
+      out.has_changed = attachment_->force() != last_force_;
+      return true;
+    }
+
     void add_force(const TermState<Scalar>& state, TermForces<Scalar>& out) override {
+      last_force_ = attachment_->force();
       if (!point_.is_here(state)) return;
       point_.for_carriers([&](Index v, double w) { out.add(v, (-w * attachment_->force()).template cast<Scalar>()); });
     }
@@ -133,10 +154,31 @@ class Attachment final : public StepTerm<Scalar> {
    private:
     const Attachment* attachment_;
     Attachment point_;
+    Vec3<double> last_force_ = Vec3<double>::Zero();
   };
 
  private:
   static constexpr std::size_t max_carriers = 10;
+
+  /// What the force depends on besides the body and the motion of an obstacle.
+  struct Aim {
+    bool enabled = false;
+    double stiffness = 0, damping = 0;
+    const Obstacles* obstacles = nullptr;
+    Index obstacle = 0;
+    Vec3<double> target = Vec3<double>::Zero(), velocity = target;
+
+    friend bool operator==(const Aim& a, const Aim& b) {
+      return a.enabled == b.enabled && detail::exactly_equal(a.stiffness, b.stiffness) &&
+             detail::exactly_equal(a.damping, b.damping) && a.obstacles == b.obstacles && a.obstacle == b.obstacle &&
+             a.target == b.target && a.velocity == b.velocity;
+    }
+  };
+  [[nodiscard]] Aim aim() const {
+    if (obstacles_ == nullptr)
+      return {enabled, options_.stiffness, options_.damping, nullptr, 0, target_, target_velocity_};
+    return {enabled, options_.stiffness, options_.damping, obstacles_, obstacle_, local_, Vec3<double>::Zero()};
+  }
 
   [[nodiscard]] bool is_here(const TermState<Scalar>& state) const { return enabled && state.contains(vertices_[0]); }
 
@@ -171,6 +213,8 @@ class Attachment final : public StepTerm<Scalar> {
   Index obstacle_ = 0;
   int ties_ = 1;
   Vec3<double> local_ = Vec3<double>::Zero();
+  Aim last_;                                   // of the last step
+  Touch touch_{};                              // of an obstacle
   Mat3<double> yield_ = Mat3<double>::Zero();  // velocity of the target by an impulse on it, 1/kg
 };
 

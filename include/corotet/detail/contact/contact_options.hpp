@@ -23,6 +23,7 @@ struct ContactReport {
   bool settled = true;      ///< none of the contacts would have changed in another pass
   double deepest = 0;       ///< of any point inside an obstacle at the end, m
   double normal_force = 0;  ///< sum of all, N
+  double force_change = 0;  ///< sum of the changes of normal forces in the step, without signs, N
   Index dropped = 0;        ///< for which there was no memory: see ContactOptions::max_contacts_per_point
 };
 

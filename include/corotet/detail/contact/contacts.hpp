@@ -12,6 +12,7 @@
 #include <corotet/detail/contact/free_obstacles.hpp>
 #include <corotet/detail/contact/obstacles.hpp>
 #include <corotet/detail/contact/point_contact.hpp>
+#include <corotet/detail/contact/term_rest.hpp>
 #include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/exactly.hpp>
 #include <corotet/detail/core/square_root.hpp>
@@ -44,12 +45,9 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
   /// `obstacles` must outlive it.
   COROTET_COLD Contacts(ContactPoints points, Obstacles& obstacles, const ContactOptions& options = {});
 
-  [[nodiscard]] const ContactOptions& options() const { return options_; }  ///< what it was made with
-  [[nodiscard]] const ContactPoints& points() const {
-    return set_.points();
-  }  ///< the points of the body that may touch
-  /// Of the last step.
-  [[nodiscard]] const ContactReport& report() const { return report_; }
+  [[nodiscard]] const ContactOptions& options() const { return options_; }     ///< what it was made with
+  [[nodiscard]] const ContactPoints& points() const { return set_.points(); }  ///< of the body, that may touch
+  [[nodiscard]] const ContactReport& report() const { return report_; }        ///< of the last step
   /// Those with a force, by pieces of the body, then by obstacles, then by points.
   [[nodiscard]] std::span<const Touch> touches() const { return touches_; }
 
@@ -71,8 +69,7 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
   void begin_search(const PassSystem<Scalar>& system, double& slope, double& curvature) override;
   [[nodiscard]] double slope_at(double fraction) const override;
   void end_search(double fraction) override {
-    for (Contact& contact : set_.contacts())
-      contact.value = contact.value_before + fraction * (contact.value - contact.value_before);
+    for (Contact& c : set_.contacts()) c.value = c.value_before + fraction * (c.value - c.value_before);
     free_.end_search(fraction);
   }
   [[nodiscard]] bool acts() const override;
@@ -91,11 +88,14 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
     is_settled_ = settled;
   }
   void end_step(const TermState<Scalar>& end) override;
+  [[nodiscard]] bool describe_rest(TermRest& out) const override {
+    out = {&set_.obstacles(), touches_, report_.normal_force, report_.force_change, options_.margin, false};
+    return true;
+  }
 
  private:
   using Contact = detail::PointContact;
-  /// Of a piece of the body: how its last step was.
-  struct History {
+  struct History {  // of a piece of the body: how its last step was
     bool was_busy = false, has_jumped = false;
   };
 
@@ -449,6 +449,7 @@ void Contacts<Scalar>::end_step(const TermState<Scalar>& end) {
   const double share = detail::exactly_equal(h_, gamma_) ? 0.5 : 0.05;  // of the force, for the multiplier
   set_.remember(end, gamma_, share);
   report_.dropped += set_.dropped();
+  report_.force_change += moved;
   report_.passes = (std::max)(report_.passes, passes_);
   report_.settled = report_.settled && is_settled_;
   histories_[piece_] = {.was_busy = passes_ > 1, .has_jumped = moved > 0.5 * all};

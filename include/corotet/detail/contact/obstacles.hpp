@@ -7,6 +7,7 @@
 #include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/rotation/quaternion.hpp>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -71,8 +72,10 @@ class Obstacle {
     rotation_ = rotation_of(pose_.rotation);
   }
 
-  /// Whether it moves freely.
-  [[nodiscard]] bool is_free() const { return mass_ > 0; }
+  /// Whether it moves freely: it has a mass and does not sleep.
+  [[nodiscard]] bool is_free() const { return mass_ > 0 && !is_asleep_; }
+  /// Whether it sleeps with bodies that it touches: then it is as one that is led and does not move. See Sleep.
+  [[nodiscard]] bool is_asleep() const { return is_asleep_; }
   /// kg, 0 if it is led.
   [[nodiscard]] double mass() const { return mass_; }
   /// Moments of inertia in the world, kg m^2.
@@ -130,6 +133,11 @@ class Obstacle {
   }
   /// For Contacts, at the end of the step of each body.
   void end_step() { begun_ = false; }
+  /// For Sleep: an obstacle with a mass stops and sleeps, or moves freely again.
+  void set_asleep(bool sleeps) {
+    is_asleep_ = sleeps && mass_ > 0;
+    if (is_asleep_) velocity = angular_velocity = Vec3<double>::Zero();
+  }
 
   /// To where its velocities take it in h seconds. A free one keeps its angular momentum.
   void move(double h) {
@@ -158,7 +166,7 @@ class Obstacle {
   double mass_;
   Vec3<double> inertia_;
   ObstacleLoad load_;
-  bool begun_ = false;
+  bool begun_ = false, is_asleep_ = false;
 };
 
 /// All obstacles of a scene: bodies touch them through Contacts, and any number of bodies may share them.
@@ -205,7 +213,10 @@ class Obstacles {
   /// Ends a step whose obstacles someone else moves.
   void end_step() {
     for (Obstacle& obstacle : all_) obstacle.end_step();
+    ++frame_;
   }
+  /// How many steps have ended.
+  [[nodiscard]] std::uint64_t frame() const { return frame_; }
 
   /// For Contacts: see Obstacle::begin_step.
   void begin_step(double h) {
@@ -214,6 +225,7 @@ class Obstacles {
 
  private:
   std::vector<Obstacle> all_;
+  std::uint64_t frame_ = 0;
 };
 
 }  // namespace corotet::inline v0_1

@@ -8,6 +8,7 @@
 #include <corotet/detail/core/revision.hpp>
 #include <corotet/detail/core/state_archive.hpp>
 #include <corotet/detail/core/types.hpp>
+#include <cstdint>
 #include <vector>
 
 namespace corotet::inline v0_1 {
@@ -45,6 +46,7 @@ class Pins {
   COROTET_COLD void pin(Index vertex, const Vec3<Scalar>& displacement, PinnedAxes axes = {}) {
     COROTET_ASSERT(vertex >= 0 && vertex < size_of(slot_), "no such vertex");
     if (vertex < 0 || vertex >= size_of(slot_)) return;
+    ++changes_;
     if (!axes.x && !axes.y && !axes.z) return release(vertex);
     if (slot_[at(vertex)] == none) {
       slot_[at(vertex)] = size_of(vertices_);
@@ -62,12 +64,15 @@ class Pins {
   /// A new target for a pinned vertex: it is there after the next step, and on the way during it.
   void move(Index vertex, const Vec3<Scalar>& displacement) {
     COROTET_ASSERT(is_pinned(vertex), "pin the vertex before moving it");
-    if (is_pinned(vertex)) targets_[at(slot_[at(vertex)])] = displacement;
+    if (!is_pinned(vertex)) return;
+    ++changes_;
+    targets_[at(slot_[at(vertex)])] = displacement;
   }
 
   /// Lets go of a vertex, which keeps its velocity. Nothing happens if it is free.
   void release(Index vertex) {
     if (!is_pinned(vertex)) return;
+    ++changes_;
     const Index slot = slot_[at(vertex)];
     slot_[at(vertices_.back())] = slot;
     vertices_[at(slot)] = vertices_.back();
@@ -113,6 +118,9 @@ class Pins {
   /// Another number whenever the set of pinned components is another; targets do not matter.
   [[nodiscard]] Revision revision() const { return revision_; }
 
+  /// How often a pin was set, moved or released.
+  [[nodiscard]] std::uint64_t changes() const { return changes_; }
+
   /// Bytes on the heap.
   [[nodiscard]] std::size_t bytes() const {
     return detail::bytes_of(slot_) + detail::bytes_of(vertices_) + detail::bytes_of(targets_) + detail::bytes_of(axes_);
@@ -124,6 +132,7 @@ class Pins {
     archive.list(targets_);
     archive.list(axes_);
     if (!archive.reads()) return;
+    ++changes_;
     for (Index& slot : slot_) slot = none;
     for (std::size_t slot = 0; slot < vertices_.size(); ++slot)
       if (vertices_[slot] >= 0 && vertices_[slot] < size_of(slot_))
@@ -138,6 +147,7 @@ class Pins {
   Field<Scalar> targets_;
   std::vector<PinnedAxes> axes_;
   Revision revision_ = detail::new_revision();
+  std::uint64_t changes_ = 0;
 };
 
 }  // namespace corotet::inline v0_1

@@ -22,6 +22,7 @@
 #include <corotet/detail/material/point_states.hpp>
 #include <corotet/detail/mesh/tet_mesh.hpp>
 #include <corotet/detail/terms/body_terms.hpp>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <utility>
@@ -144,10 +145,17 @@ class SoftBody : private PointStates<Scalar, detail::ElasticModelOf<LawType>> {
   /// Gravity, m/s^2.
   [[nodiscard]] const Vec3<Scalar>& gravity() const { return gravity_.acceleration; }
 
-  /// Force on each vertex, N, besides gravity; zero until the caller writes to it, and kept from step to step.
-  [[nodiscard]] std::span<Vec3<Scalar>> external_forces() { return nodal_force_.force; }
+  /// Force on each vertex, N, besides gravity; zero until the caller writes to it, and kept from step to step. Ask for
+  /// it again to write again: a body that sleeps (Sleep) is looked at only then.
+  [[nodiscard]] std::span<Vec3<Scalar>> external_forces() {
+    ++force_accesses_;
+    return nodal_force_.force;
+  }
   /// Forces on vertices, N, one a vertex.
   [[nodiscard]] std::span<const Vec3<Scalar>> external_forces() const { return nodal_force_.force; }
+
+  /// How often the caller may have written to them.
+  [[nodiscard]] std::uint64_t force_accesses() const { return force_accesses_; }
 
   /// Bytes of its own state, and of the model that it shares with its copies.
   [[nodiscard]] COROTET_COLD MemoryUse memory() const {
@@ -178,6 +186,8 @@ class SoftBody : private PointStates<Scalar, detail::ElasticModelOf<LawType>> {
 
   /// Back to the rest shape, without motion. Pins, forces and gravity stay.
   void reset();
+  /// Sets all velocities to zero.
+  COROTET_COLD void stop();
 
   /// For snapshots.
   COROTET_COLD void visit_state(detail::StateArchive& archive);
@@ -200,6 +210,7 @@ class SoftBody : private PointStates<Scalar, detail::ElasticModelOf<LawType>> {
   Vec3<double> shift_ = Vec3<double>::Zero();  // of the origin, m
   Revision revision_ = detail::new_revision();
   Revision motion_revision_ = revision_;
+  std::uint64_t force_accesses_ = 0;
 };
 
 // Below the class, and so compiled where it is instantiated: once, where the program links corotet::compiled.
@@ -291,6 +302,12 @@ void SoftBody<Scalar, Element, LawType>::reset() {
     for (Vec3<Scalar>& x : *field) x.setZero();
   if constexpr (Law::has_point_states) static_cast<States&>(*this) = law().states_at_rest();
   revision_ = motion_revision_ = detail::new_revision();
+}
+
+template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
+void SoftBody<Scalar, Element, LawType>::stop() {
+  for (Vec3<Scalar>& v : velocity_) v.setZero();
+  motion_revision_ = detail::new_revision();
 }
 
 template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>

@@ -11,6 +11,7 @@ namespace corotet::inline v0_1 {
 
 template <std::floating_point Scalar>
 class PiecewiseTerm;
+struct TermRest;
 
 /// A force on a body, and how it changes with position and velocity: a spring, an attachment, a contact, a drag.
 ///
@@ -63,6 +64,9 @@ class StepTerm {
 
   /// Terms that are solved for in passes return themselves.
   [[nodiscard]] virtual PiecewiseTerm<Scalar>* piecewise() { return nullptr; }
+
+  /// Between steps: fills in what Sleep must know of the term. Where it returns false, the body never sleeps.
+  [[nodiscard]] virtual bool describe_rest(TermRest& /*out*/) const { return false; }
 
  protected:
   StepTerm() = default;
