@@ -104,6 +104,13 @@ void ObjectReader::vector(std::string_view key, Vec3<double>& value) {
     value = Vec3<double>::load(numbers->data());
 }
 
+void ObjectReader::quaternion(std::string_view key, Matrix<double, 4, 1>& value) {
+  const Json* member = find(key);
+  if (member == nullptr) return;
+  if (const auto numbers = read_numbers(*member, 4, path_of(key), problems_))
+    value = Matrix<double, 4, 1>::load(numbers->data());
+}
+
 std::optional<std::size_t> ObjectReader::choice_index(std::string_view key, const std::vector<std::string>& names,
                                                       std::initializer_list<const char*> not_yet) {
   const Json* member = find(key);

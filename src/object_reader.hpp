@@ -50,6 +50,7 @@ class ObjectReader {
   void integer(std::string_view key, int& value, int least, int most = std::numeric_limits<int>::max());
   bool text(std::string_view key, std::string& value);  ///< whether it was there and is text
   void vector(std::string_view key, Vec3<double>& value);
+  void quaternion(std::string_view key, Matrix<double, 4, 1>& value);
 
   /// A name out of `choices`; `not_yet` are names that a scene may hold one day.
   template <class Choice>

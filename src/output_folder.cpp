@@ -17,17 +17,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* frames_folder = "frames";
-
 /// Removes what a run writes and nothing else, so that old files cannot pass for new ones.
 void remove_earlier_run(const fs::path& folder) {
   std::error_code ignored;
-  for (const char* name : {"summary.json", "final.txt", "probes.csv", "volume.pvd", "surface.pvd"})
+  for (const char* name : {"summary.json", "final.txt", "probes.csv", "attachments.csv", "obstacles.csv", "volume.pvd",
+                           "surface.pvd", "obstacles.pvd"})
     fs::remove(folder / name, ignored);
   for (const fs::directory_entry& entry : fs::directory_iterator(folder / frames_folder, ignored)) {
     const std::string name = entry.path().filename().string();
-    if ((name.starts_with("volume_") || name.starts_with("surface_")) && name.ends_with(".vtu"))
-      fs::remove(entry.path(), ignored);
+    const bool is_frame = name.starts_with("volume_") || name.starts_with("surface_") || name.starts_with("obstacles_");
+    if (is_frame && name.ends_with(".vtu")) fs::remove(entry.path(), ignored);
   }
 }
 
@@ -44,30 +43,30 @@ void make_folder(const fs::path& folder) {
 OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
   make_folder(folder_);
   remove_earlier_run(folder_);
-  probes_.open(folder_ / "probes.csv", std::ios::binary);
-  probes_ << "t,probe,x,y,z\n" << std::flush;
-  if (!probes_) throw Failure(fmt::format("{}: it cannot be written", (folder_ / "probes.csv").string()));
+  probes_.open(folder_ / "probes.csv", "t,probe,x,y,z");
 }
 
 void OutputFolder::add_probes(double t, const Simulation& simulation, const std::vector<Index>& probes) {
+  std::string rows;
   for (std::size_t p = 0; p < probes.size(); ++p) {
     const Vec3<double> x = simulation.position(probes[p]);
-    probes_ << fmt::format("{},{},{},{},{}\n", t, p, x[0], x[1], x[2]);
+    fmt::format_to(std::back_inserter(rows), "{},{},{},{},{}\n", t, p, x[0], x[1], x[2]);
   }
-  probes_ << std::flush;
-  if (!probes_) throw Failure(fmt::format("{}: writing failed", (folder_ / "probes.csv").string()));
+  probes_.add(rows);
 }
 
-std::string OutputFolder::next_frame_name(const char* series, const std::optional<PvdWriter>& list) const {
-  return fmt::format("{}/{}_{:06}.vtu", frames_folder, series, list->frame_count());
+void OutputFolder::add_attachments(double t, const std::vector<AttachmentState>& attachments) {
+  if (attachments.empty()) return;
+  if (!attachments_.is_open()) attachments_.open(folder_ / "attachments.csv", "t,attachment,x,y,z,fx,fy,fz");
+  std::string rows;
+  for (std::size_t i = 0; i < attachments.size(); ++i) {
+    const auto& [x, f] = attachments[i];
+    fmt::format_to(std::back_inserter(rows), "{},{},{},{},{},{},{},{}\n", t, i, x[0], x[1], x[2], f[0], f[1], f[2]);
+  }
+  attachments_.add(rows);
 }
 
 void OutputFolder::add_frame(double t, Simulation& simulation, const MeshData& mesh, const SurfaceMesh* surface) {
-  if (!volume_) {
-    make_folder(folder_ / frames_folder);
-    volume_ = require(PvdWriter::create(folder_ / "volume.pvd"));
-    if (surface != nullptr) surface_ = require(PvdWriter::create(folder_ / "surface.pvd"));
-  }
   Field<double> positions, displacements, velocities;
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     positions.push_back(simulation.position(v));
@@ -78,17 +77,12 @@ void OutputFolder::add_frame(double t, Simulation& simulation, const MeshData& m
                .cells = vtu_cells(mesh),
                .point_data = {{"displacement", displacements}, {"velocity", velocities}}};
   if (!mesh.regions.empty()) grid.cell_data = {{"region", mesh.regions}};
-  std::string name = next_frame_name("volume", volume_);
-  require(write_vtu(folder_ / name, grid));
-  require(volume_->add_frame(t, name));
+  volume_.add(folder_, t, grid);
   if (surface == nullptr) return;
 
   const SurfaceState state = simulation.surface();
-  name = next_frame_name("surface", surface_);
-  require(
-      write_vtu(folder_ / name,
-                {.points = state.positions, .cells = vtu_cells(*surface), .point_data = {{"normal", state.normals}}}));
-  require(surface_->add_frame(t, name));
+  surface_.add(folder_, t,
+               {.points = state.positions, .cells = vtu_cells(*surface), .point_data = {{"normal", state.normals}}});
 }
 
 void OutputFolder::write_whole(const char* name, const std::string& bytes) const {

@@ -2,13 +2,12 @@
 #pragma once
 
 #include <corotet/detail/core/types.hpp>
-#include <corotet/detail/mesh/io/write_pvd.hpp>
 #include <filesystem>
-#include <fstream>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "csv_file.hpp"
+#include "frame_series.hpp"
 #include "run_input.hpp"
 #include "simulation.hpp"
 
@@ -16,6 +15,12 @@ namespace corotet::program {
 
 /// Makes a folder, with those above it, if it is not there. Throws a Failure that names it if it cannot be made.
 void make_folder(const std::filesystem::path& folder);
+
+/// An attachment after a step.
+struct AttachmentState {
+  Vec3<double> place;  ///< of the point that is tied, m
+  Vec3<double> force;  ///< on the body, N
+};
 
 /// Each function throws a Failure that names the file if it cannot be written. Whatever is there is readable at any
 /// time, also after the program was stopped: probes come line by line, series list only frames that are complete, and
@@ -28,6 +33,10 @@ class OutputFolder {
   /// One row for each probe: t (s), its number, its position (m).
   void add_probes(double t, const Simulation& simulation, const std::vector<Index>& probes);
 
+  /// One row for each attachment: t (s), its number, where its point is (m), its force on the body (N). Without
+  /// attachments there is no file.
+  void add_attachments(double t, const std::vector<AttachmentState>& attachments);
+
   /// One .vtu of the volume and, if `surface` is there, one of it, listed in volume.pvd and surface.pvd.
   void add_frame(double t, Simulation& simulation, const MeshData& mesh, const SurfaceMesh* surface);
 
@@ -38,11 +47,10 @@ class OutputFolder {
 
  private:
   void write_whole(const char* name, const std::string& bytes) const;
-  [[nodiscard]] std::string next_frame_name(const char* series, const std::optional<PvdWriter>& list) const;
 
   std::filesystem::path folder_;
-  std::ofstream probes_;
-  std::optional<PvdWriter> volume_, surface_;
+  CsvFile probes_, attachments_;
+  FrameSeries volume_{"volume"}, surface_{"surface"};
 };
 
 }  // namespace corotet::program

@@ -60,22 +60,6 @@ void take_order(const Scene& scene, RunInput& input) {
   if (scene.order == 2) input.mesh = raise_order(std::move(input.mesh));
 }
 
-}  // namespace
-
-Vec3<double> PinnedVertices::displacement(double t) const {
-  if (path.empty()) return Vec3<double>::Zero();
-  if (t <= path.front().time) return path.front().displacement;
-  for (std::size_t k = 1; k < path.size(); ++k) {
-    const PathPoint &from = path[k - 1], &to = path[k];
-    if (t > to.time) continue;
-    const double part = (t - from.time) / (to.time - from.time);
-    return (1 - part) * from.displacement + part * to.displacement;
-  }
-  return path.back().displacement;
-}
-
-namespace {
-
 /// Pins, forces, probes and the initial state, matched to input.mesh.
 void match(const Scene& scene, RunInput& input, Problems& problems) {
   for (std::size_t i = 0; i < scene.pins.size(); ++i) {

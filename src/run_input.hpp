@@ -15,11 +15,7 @@ namespace corotet::program {
 /// The vertices of one entry of `pins`.
 struct PinnedVertices {
   std::vector<Index> vertices;
-  std::vector<PathPoint> path;
-
-  /// Where they are at time t, relative to where they started: linear between the path's points, constant beyond its
-  /// ends, zero without a path.
-  [[nodiscard]] Vec3<double> displacement(double t) const;
+  std::vector<PathPoint> path;  ///< relative to where they started
 };
 
 struct RunInput {

@@ -80,6 +80,27 @@ void StepStatistics::write_to(Json& summary) const {
                        {"with_inverted_elements", counts_.inverted},          {"refused", counts_.refused}};
 }
 
+void ContactStatistics::add(const ContactReport& report) {
+  ++steps_;
+  last_ = report;
+  passes_ += report.passes;
+  max_passes_ = std::max(max_passes_, report.passes);
+  deepest_ = std::max(deepest_, report.deepest);
+  dropped_ = std::max(dropped_, report.dropped);
+  unsettled_ += report.settled ? 0 : 1;
+}
+
+Json ContactStatistics::summary(Index points) const {
+  return {{"points", points},
+          {"touching", last_.touching},
+          {"sliding", last_.sliding},
+          {"passes", {{"mean", steps_ == 0 ? Json() : Json(passes_ / steps_)}, {"max", max_passes_}}},
+          {"deepest", deepest_},
+          {"normal_force", last_.normal_force},
+          {"dropped", dropped_},
+          {"unsettled", unsettled_}};
+}
+
 std::string format_summary(const Scene& scene, const RunInput& input, const RunFacts& facts,
                            const StepStatistics& steps) {
   Json summary;
@@ -119,6 +140,9 @@ std::string format_summary(const Scene& scene, const RunInput& input, const RunF
                           {"triangles", input.surface->triangles.size()},
                           {"vertices_outside", facts.surface->outside},
                           {"largest_distance", facts.surface->max_distance}};
+  if (facts.contact_points > 0) summary["contact"] = facts.contact.summary(facts.contact_points);
+  for (const auto& [x, f] : facts.attachments)
+    summary["attachments"].push_back({{"rest", {x[0], x[1], x[2]}}, {"force", {f[0], f[1], f[2]}}});
   summary["probes"] = Json::array();
   for (const Index v : input.probes) {
     const Vec3<double>& x = input.mesh.positions[at(v)];

@@ -1,6 +1,8 @@
 // summary.json: what a run was, what it cost, and with what error.
 #pragma once
 
+#include <corotet/detail/contact/contact_options.hpp>
+#include <corotet/detail/core/types.hpp>
 #include <corotet/detail/dynamics/step_report.hpp>
 #include <optional>
 #include <string>
@@ -44,6 +46,30 @@ class StepStatistics {
   StepReport last_;
 };
 
+/// Collects what contact reports of the steps.
+class ContactStatistics {
+ public:
+  void add(const ContactReport& report);
+
+  [[nodiscard]] Index unsettled() const { return unsettled_; }
+  [[nodiscard]] Index dropped() const { return dropped_; }
+
+  /// The value of the key "contact" of summary.json; `points`: that may touch.
+  [[nodiscard]] Json summary(Index points) const;
+
+ private:
+  ContactReport last_;
+  double passes_ = 0, deepest_ = 0;
+  Index steps_ = 0, unsettled_ = 0, dropped_ = 0;
+  int max_passes_ = 0;
+};
+
+/// An attachment, and how it pulled in the last step.
+struct AttachmentFacts {
+  Vec3<double> rest;                          ///< of the point that is tied, m
+  Vec3<double> force = Vec3<double>::Zero();  ///< on the body, N
+};
+
 /// What is known of a run besides its steps.
 struct RunFacts {
   SimulationFacts simulation;
@@ -53,6 +79,9 @@ struct RunFacts {
   double peak_rss_mb = 0;
   double spmv_us = 0;
   std::optional<BindingFacts> surface;
+  Index contact_points = 0;  ///< 0: the body touches nothing
+  ContactStatistics contact;
+  std::vector<AttachmentFacts> attachments;
   std::string stopped_because;  ///< empty: it was completed
 };
 

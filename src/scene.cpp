@@ -8,10 +8,10 @@
 #include <filesystem>
 #include <limits>
 #include <string>
-#include <system_error>
 #include <tuple>
 #include <utility>
 
+#include "file_key.hpp"
 #include "json_file.hpp"
 #include "object_reader.hpp"
 #include "problems.hpp"
@@ -20,35 +20,6 @@ namespace corotet::program {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A path relative to the scene's folder, which must name a file (or a pipe) that is there.
-std::optional<fs::path> read_path(ObjectReader& in, const char* key, const fs::path& folder) {
-  std::string text;
-  if (!in.text(key, text)) return std::nullopt;
-  if (text.empty()) {
-    in.problems().add(in.path_of(key), "must name a file");
-    return std::nullopt;
-  }
-  fs::path path = folder / text;
-  std::error_code code;
-  if (!fs::exists(path, code)) {
-    in.problems().add(in.path_of(key), fmt::format("there is no file {}", path.string()));
-    return std::nullopt;
-  }
-  return path;
-}
-
-std::vector<PathPoint> read_pin_path(ObjectReader& in) {
-  std::vector<PathPoint> path;
-  in.list("path", [&](const Json& entry, const std::string& where) {
-    const auto numbers = read_numbers(entry, 4, where, in.problems());
-    if (!numbers) return;
-    if (!path.empty() && (*numbers)[0] <= path.back().time)
-      in.problems().add(where, fmt::format("times must ascend, {} follows {}", (*numbers)[0], path.back().time));
-    path.push_back({(*numbers)[0], Vec3<double>::load(numbers->data() + 1)});
-  });
-  return path;
-}
 
 /// The two corners under "box"; nothing, after noting a problem, if they are not there.
 std::optional<std::pair<Vec3<double>, Vec3<double>>> read_box(ObjectReader& in, const Json& value) {
@@ -72,7 +43,7 @@ std::optional<std::pair<Vec3<double>, Vec3<double>>> read_box(ObjectReader& in, 
 void read_pin(const Json& value, const std::string& path, Problems& problems, std::vector<PinBox>& pins) {
   ObjectReader in(value, path, problems);
   const auto box = read_box(in, value);
-  std::vector<PathPoint> led = read_pin_path(in);
+  std::vector<PathPoint> led = read_path_points(in);
   if (box) pins.push_back({box->first, box->second, std::move(led)});
   in.refuse_others();
 }
@@ -119,6 +90,10 @@ void check_integrator(const Scene& scene, Problems& problems) {
   const bool polar = scene.rotation == RotationKind::polar && scene.rotation_site == RotationSite::point;
   if (scene.newton.tangent == Tangent::consistent && !polar)
     problems.add("integrator.tangent", "exact is known only for \"rotation\": \"polar\" at each point");
+  if (scene.untrusted == OnUnreliable::divide && scene.touches_obstacles())
+    problems.add("integrator.untrusted",
+                 "divide does not lead obstacles through parts of a step: take accept or refuse, or a smaller "
+                 "integrator.dt");
 }
 
 void read_solver(ObjectReader& in, SolverOptions& solver) {
@@ -165,6 +140,10 @@ void check_float_range(const Scene& scene, Problems& problems) {
     check_vector(fmt::format("forces[{}].total", i), scene.forces[i].total);
     check_vector(fmt::format("forces[{}].torque", i), scene.forces[i].torque);
   }
+  for (std::size_t i = 0; i < scene.contact.attachments.size(); ++i) {  // the rest of contact is in double
+    check_positive(fmt::format("attachments[{}].stiffness", i), scene.contact.attachments[i].options.stiffness);
+    check(fmt::format("attachments[{}].damping", i), scene.contact.attachments[i].options.damping);
+  }
   for (std::size_t i = 0; i < scene.pins.size(); ++i)  // boxes are compared in double
     for (std::size_t k = 0; k < scene.pins[i].path.size(); ++k)
       check_vector(fmt::format("pins[{}].path[{}]", i, k), scene.pins[i].path[k].displacement);
@@ -181,7 +160,7 @@ Scene read_scene(const fs::path& path) {
 
   ObjectReader in(json, "", problems);
   if (json.is_object() && !in.has("mesh")) problems.add("mesh", "is missing; every scene needs one");
-  scene.mesh = read_path(in, "mesh", folder).value_or("");
+  scene.mesh = read_file_key(in, "mesh", folder).value_or("");
   in.integer("order", scene.order, 1, 2);
   in.choice("scalar", scene.scalar,
             {{"float", ScalarKind::single_precision}, {"double", ScalarKind::double_precision}});
@@ -209,8 +188,8 @@ Scene read_scene(const fs::path& path) {
   in.object("integrator", [&](ObjectReader& integrator) { read_integrator(integrator, scene); });
   in.object("solver", [&](ObjectReader& solver) { read_solver(solver, scene.solver); });
   in.object("initial", [&](ObjectReader& initial) {
-    scene.initial_positions = read_path(initial, "positions", folder);
-    scene.initial_velocities = read_path(initial, "velocities", folder);
+    scene.initial_positions = read_file_key(initial, "positions", folder);
+    scene.initial_velocities = read_file_key(initial, "velocities", folder);
     const auto read_motion = [&](const char* key, std::optional<Vec3<double>>& motion) {
       if (!initial.has(key)) return;
       initial.vector(key, motion.emplace(Vec3<double>::Zero()));
@@ -220,17 +199,32 @@ Scene read_scene(const fs::path& path) {
     read_motion("velocity", scene.initial_velocity);
     read_motion("angular_velocity", scene.initial_angular_velocity);
   });
-  scene.surface = read_path(in, "surface", folder);
+  scene.surface = read_file_key(in, "surface", folder);
   in.list("probes",
           [&](const Json& probe, const std::string& where) { read_probe(probe, where, problems, scene.probes); });
   in.integer("steps", scene.steps, 0);
   in.object("frames", [&](ObjectReader& frames) { frames.integer("every", scene.frames_every, 0); });
+  read_contact(in, scene.contact);
+  read_obstacles(in, folder, scene.obstacles);
   in.refuse_others();
   check_integrator(scene, problems);
   problems.stop_if_any();
   if (scene.scalar == ScalarKind::single_precision) check_float_range(scene, problems);
   problems.stop_if_any();
   return scene;
+}
+
+void refuse_contact(const Scene& scene, const char* command) {
+  Problems problems(scene.file.string());
+  const auto refuse = [&](const char* key, bool is_there) {
+    if (is_there)
+      problems.add(key, fmt::format("`corotet {}` compares bodies that touch nothing: leave it out; `corotet run` "
+                                    "runs the whole scene",
+                                    command));
+  };
+  refuse("obstacles", !scene.obstacles.empty());
+  refuse("attachments", !scene.contact.attachments.empty());
+  problems.stop_if_any();
 }
 
 }  // namespace corotet::program

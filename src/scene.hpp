@@ -12,6 +12,9 @@
 #include <optional>
 #include <vector>
 
+#include "contact_scene.hpp"
+#include "led_path.hpp"
+
 namespace corotet::program {
 
 enum class ScalarKind { single_precision, double_precision };
@@ -23,12 +26,6 @@ enum class IntegratorKind { implicit_euler, bdf2 };
 [[nodiscard]] constexpr const char* name_of(IntegratorKind integrator) {
   return integrator == IntegratorKind::bdf2 ? "bdf2" : "implicit_euler";
 }
-
-/// A displacement at a time; linear in between.
-struct PathPoint {
-  double time;                ///< s
-  Vec3<double> displacement;  ///< m
-};
 
 /// Vertices whose rest position lies in a box (its faces included) are held, or led along a path.
 struct PinBox {
@@ -67,13 +64,20 @@ struct Scene {
   std::optional<Vec3<double>> initial_velocity;          ///< of all vertices, m/s
   std::optional<Vec3<double>> initial_angular_velocity;  ///< about the centre of mass, rad/s
   std::optional<std::filesystem::path> surface;
+  ContactScene contact;
+  std::vector<ObstacleEntry> obstacles;
   std::vector<Vec3<double>> probes;  ///< each names the vertex nearest to it at rest
   int steps = 60;
   int frames_every = 0;  ///< 0: no frames
+
+  [[nodiscard]] bool touches_obstacles() const { return !obstacles.empty() && contact.points != TouchingPoints::none; }
 };
 
 /// Reads and checks a scene. Throws a Failure that lists every problem by its key: unknown keys, wrong types, values
 /// out of range, files that are not there. Paths come out relative to the working directory.
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path);
+
+/// Throws a Failure that names the keys of the scene's obstacles and attachments: `command` does not know them.
+void refuse_contact(const Scene& scene, const char* command);
 
 }  // namespace corotet::program

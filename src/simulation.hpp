@@ -2,6 +2,8 @@
 // around the library's types, which are chosen at compile time.
 #pragma once
 
+#include <corotet/detail/contact/contact_options.hpp>
+#include <corotet/detail/contact/obstacles.hpp>
 #include <corotet/detail/core/result.hpp>
 #include <corotet/detail/core/thread_pool.hpp>
 #include <corotet/detail/core/types.hpp>
@@ -12,7 +14,9 @@
 #include <corotet/detail/mesh/surface_mesh.hpp>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "contact_scene.hpp"
 #include "phase_clock.hpp"
 #include "scene.hpp"
 
@@ -49,6 +53,31 @@ struct SurfaceState {
   Field<double> normals;    ///< unit; empty if only points were bound
 };
 
+/// A point of the body: a field has the value sum_a weights[a] field[vertices[a]] there.
+struct PointOnBody {
+  std::vector<Index> vertices;
+  std::vector<double> weights;
+};
+
+/// What acts on a body in a step besides gravity and nodal forces.
+class ContactTerms {
+ public:
+  ContactTerms() = default;
+  ContactTerms(const ContactTerms&) = delete;
+  ContactTerms& operator=(const ContactTerms&) = delete;
+  virtual ~ContactTerms() = default;
+
+  /// Points that may touch an obstacle.
+  [[nodiscard]] virtual Index contact_points() const = 0;
+  /// Of the last step.
+  [[nodiscard]] virtual ContactReport contact_report() const = 0;
+
+  /// Where attachment number i pulls to at the end of the next step, m, and how fast that moves, m/s.
+  virtual void lead_attachment(Index i, const Vec3<double>& target, const Vec3<double>& velocity) = 0;
+  /// On the body in the last step, N.
+  [[nodiscard]] virtual Vec3<double> attachment_force(Index i) const = 0;
+};
+
 /// All positions are world positions in m, displacements are from rest.
 class Simulation {
  public:
@@ -75,6 +104,13 @@ class Simulation {
   virtual void release(Index vertex) = 0;
   /// Where a pinned vertex shall be after the next step, relative to where it was pinned.
   virtual void move_pin(Index vertex, const Vec3<double>& displacement) = 0;
+
+  /// Lets the body touch obstacles, which must outlive it, by the points that the scene names; those of a surface must
+  /// be bound. Once.
+  virtual Result<void> touch(Obstacles& obstacles, const ContactScene& contact) = 0;
+  /// Ties the points of the body that are nearest to those at rest; returns them. Once.
+  virtual std::vector<PointOnBody> attach(const std::vector<AttachmentEntry>& attachments) = 0;
+  [[nodiscard]] virtual ContactTerms& contact_terms() = 0;
 
   /// Advances by `h` s; tells `clock` of the step's phases.
   virtual StepReport step(double h, ThreadPool& pool, PhaseClock& clock) = 0;

@@ -9,6 +9,7 @@
 #include <corotet/detail/dynamics/implicit_euler.hpp>
 #include <corotet/detail/dynamics/soft_body.hpp>
 #include <corotet/detail/dynamics/static_solve.hpp>
+#include <corotet/detail/dynamics/step_context.hpp>
 #include <corotet/detail/dynamics/substepping_integrator.hpp>
 #include <corotet/detail/embed/embedded_surface.hpp>
 #include <corotet/detail/mesh/tet_mesh.hpp>
@@ -23,6 +24,7 @@
 #include <variant>
 #include <vector>
 
+#include "contact_terms.hpp"
 #include "failure.hpp"
 #include "local_origin.hpp"
 #include "plain_product.hpp"
@@ -91,8 +93,33 @@ class TypedSimulation final : public Simulation {
   }
 
   StepReport step(double h, ThreadPool& pool, PhaseClock& clock) override {
-    return std::visit([&](auto& i) { return i.step(body_, static_cast<Scalar>(h), pool, clock); }, integrator_);
+    const StepContext<Scalar> context{pool, clock, terms_.terms(), {}};
+    return std::visit([&](auto& i) { return i.step(body_, static_cast<Scalar>(h), context); }, integrator_);
   }
+
+  Result<void> touch(Obstacles& obstacles, const ContactScene& contact) override {
+    if (contact.points == TouchingPoints::surface) {
+      terms_.touch(ContactPoints(*surface_, body_.mesh()), obstacles, contact.options);
+      return {};
+    }
+    auto points = ContactPoints::boundary(body_.mesh());
+    if (!points) return points.error();
+    terms_.touch(std::move(points).value(), obstacles, contact.options);
+    return {};
+  }
+
+  std::vector<PointOnBody> attach(const std::vector<AttachmentEntry>& attachments) override {
+    Field<double> asked;
+    for (const AttachmentEntry& attachment : attachments) asked.push_back(attachment.nearest);
+    std::vector<PointOnBody> points;
+    for (const BodyPoint<Element>& point : nearest_body_points(body_.mesh(), asked)) {
+      terms_.attach(point, attachments[points.size()].options);
+      points.push_back({{point.vertices.begin(), point.vertices.end()}, {point.weights.begin(), point.weights.end()}});
+    }
+    return points;
+  }
+
+  [[nodiscard]] ContactTerms& contact_terms() override { return terms_; }
 
   StaticReport solve_static(ThreadPool& pool) override { return corotet::solve_static(body_, {}, {.executor = pool}); }
 
@@ -221,6 +248,7 @@ class TypedSimulation final : public Simulation {
   Scalar dt_;
   Field<Scalar> pinned_at_;
   std::optional<EmbeddedSurface<Scalar, Element>> surface_;
+  TypedContactTerms<Scalar> terms_;
 };
 
 /// The rotation that the scene names.

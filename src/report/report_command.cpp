@@ -37,6 +37,7 @@ struct ReportOptions {
 std::vector<Study> studies_of(const ReportOptions& options) {
   if (!options.scene.empty()) {
     const Scene scene = read_scene(options.scene);
+    refuse_contact(scene, "report");
     const RunInput input = read_input(scene);
     for (const std::string& note : input.notes) fmt::print(stderr, "corotet: note: {}\n", note);
     return {study_of(scene, input, options.quick)};

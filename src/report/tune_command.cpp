@@ -61,6 +61,7 @@ int tune(const TuneOptions& options) {
   if (fs::path(options.output).extension() != ".json")
     throw Failure(fmt::format("--output {}: its name must end with .json", options.output));
   const Scene scene = read_scene(options.scene);
+  refuse_contact(scene, "tune");
   std::error_code ignored;
   if (fs::equivalent(options.scene, options.output, ignored))
     throw Failure(fmt::format("--output {}: it would replace the scene itself", options.output));

@@ -1,0 +1,56 @@
+// One body of a run: from its scene to the files that it leaves.
+#pragma once
+
+#include <corotet/detail/core/thread_pool.hpp>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "local_origin.hpp"
+#include "obstacle_run.hpp"
+#include "output_folder.hpp"
+#include "run_input.hpp"
+#include "run_setup.hpp"
+#include "run_summary.hpp"
+#include "scene.hpp"
+#include "simulation.hpp"
+
+namespace corotet::program {
+
+class BodyRun {
+ public:
+  /// Reads the scene's files and sets the body up. `obstacles` must outlive it. Throws a Failure that lists all that is
+  /// wrong with them; writes nothing.
+  BodyRun(const Scene& scene, Obstacles& obstacles, int threads, ThreadPool& pool);
+
+  /// Says on stderr what was changed or left out.
+  void print_notes() const;
+  /// Makes the folder of the results, and writes there how the body begins.
+  void begin_output(const std::filesystem::path& folder);
+  /// Step number `step`, from 1, with what it leaves in the folder. Returns why it was refused, or "".
+  [[nodiscard]] std::string step(int step, ThreadPool& pool);
+  /// Writes final.txt, unless the run was stopped, and summary.json; says on stderr what the steps warn of.
+  /// `stopped_because`: empty for a run that was completed.
+  void finish(const std::string& stopped_because);
+  /// One line on stdout: what was done.
+  void print_result() const;
+
+  /// The box around the body at rest, m.
+  [[nodiscard]] Bounds bounds() const { return Bounds::of(input_.mesh); }
+
+ private:
+  void record(int step);
+  void warn() const;
+
+  const Scene& scene_;
+  RunInput input_;
+  RunFacts facts_;
+  std::unique_ptr<Simulation> simulation_;
+  ContactSetup contact_;
+  StepStatistics statistics_;
+  std::optional<OutputFolder> output_;
+};
+
+}  // namespace corotet::program
