@@ -32,8 +32,12 @@ BodyRun::BodyRun(const Scene& scene, Obstacles& obstacles, int threads, ThreadPo
     facts_.attachments.push_back({place_of(point, [&](Index v) { return input_.mesh.positions[at(v)]; })});
 }
 
+void print_notes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) fmt::print(stderr, "corotet: note: {}\n", note);
+}
+
 void BodyRun::print_notes() const {
-  for (const std::string& note : input_.notes) fmt::print(stderr, "corotet: note: {}\n", note);
+  program::print_notes(input_.notes);
   if (facts_.simulation.flipped_elements > 0)
     fmt::print(stderr, "corotet: note: {}: {} of {} elements were wound the other way round and have been turned\n",
                scene_.mesh.string(), facts_.simulation.flipped_elements, facts_.simulation.elements);

@@ -19,6 +19,9 @@
 
 namespace corotet::program {
 
+/// On stderr.
+void print_notes(const std::vector<std::string>& notes);
+
 class BodyRun {
  public:
   /// Reads the scene's files and sets the body up. `obstacles` must outlive it. Throws a Failure that lists all that is

@@ -41,7 +41,7 @@ std::string simulate(const Scene& scene, BodyRun& body, ObstacleRun& obstacles, 
   ObstacleOutput output(folder, least + (most - least) / 2, 2 * (most - least).norm());
   const auto record = [&](int step) {
     const double t = step * scene.dt;
-    output.add_rows(t, scene.dt, obstacles.obstacles());
+    output.add_rows(t, scene.dt, obstacles);
     if (scene.frames_every > 0 && step % scene.frames_every == 0) output.add_frame(t, obstacles);
   };
   record(0);
@@ -63,6 +63,7 @@ int run(const RunCommandOptions& options) {
   ThreadPool pool = make_pool(options.threads);
   ObstacleRun obstacles(scene);
   BodyRun body(scene, obstacles.obstacles(), options.threads, pool);
+  print_notes(obstacles.notes());
   body.print_notes();
   const std::string stopped_because = simulate(scene, body, obstacles, pool, options.output);
   body.finish(stopped_because);

@@ -2,9 +2,11 @@
 #include <array>
 #include <cmath>
 #include <corotet/detail/core/types.hpp>
+#include <corotet/detail/rotation/quaternion.hpp>
 #include <cstdint>
 #include <cstring>
 #include <numbers>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -70,7 +72,7 @@ class ContactRun : public ProgramTest {
     return scene;
   }
 
-  std::vector<ObstacleRow> obstacle(int number, const std::string& folder = "out") const {
+  std::vector<ObstacleRow> obstacle_rows(int number, const std::string& folder = "out") const {
     std::vector<ObstacleRow> rows;
     for (const auto& cells : read_csv(folder + "/obstacles.csv")) {
       const auto value = [&](const char* column) { return std::stod(cells.at(column)); };
@@ -112,7 +114,7 @@ TEST_F(ContactRun, AFloorCarriesTheWeightOfABlockAtRest) {
         EXPECT_GE(contact["deepest"], 0) << what;
         EXPECT_LT(contact["deepest"], 0.01) << what;
 
-        const auto floor = obstacle(0);
+        const auto floor = obstacle_rows(0);
         ASSERT_EQ(floor.size(), 151U) << what;
         EXPECT_EQ(floor[0].force, V::Zero()) << what;
         const ObstacleRow& last = floor.back();
@@ -158,7 +160,7 @@ TEST_F(ContactRun, MomentumOfAFreeCrateIsBalancedInEachStep) {
   const auto crate = Json::parse(R"({"box": {"half_extents": [0.25, 0.25, 0.1]}, "mass": 20, "velocity": [0.1, 0, -0.5],
     "pose": {"position": [0.2, 0.2, 0.6]}})");
   const Json summary = run(block({{"obstacles", {Json::parse(R"({"half_space": {}})"), crate}}}));
-  const auto rows = obstacle(1);
+  const auto rows = obstacle_rows(1);
   ASSERT_EQ(rows.size(), 151U);
   V before(0.1, 0, -0.5);
   double largest = 0;
@@ -174,7 +176,7 @@ TEST_F(ContactRun, MomentumOfAFreeCrateIsBalancedInEachStep) {
   EXPECT_NEAR(before.norm(), 0, 1e-2);
   EXPECT_NEAR(rows.back().place.z(), 0.5, 0.05) << "on the block";
   const double all = (summary["body_mass"].get<double>() + mass) * g;
-  EXPECT_NEAR(obstacle(0).back().force.z(), -all, 0.02 * all);
+  EXPECT_NEAR(obstacle_rows(0).back().force.z(), -all, 0.02 * all);
 }
 
 TEST_F(ContactRun, ObstaclesThatNothingTouchesMoveAsTheSceneSays) {
@@ -186,7 +188,7 @@ TEST_F(ContactRun, ObstaclesThatNothingTouchesMoveAsTheSceneSays) {
       {"box": {"half_extents": [1, 1, 1]}, "velocity": [0, 0.5, 0], "angular_velocity": [0, 0, 0.5]}])")}});
   const Json summary = run(scene);
   EXPECT_FALSE(summary.contains("contact"));
-  const auto ball = obstacle(0), led = obstacle(1), turned = obstacle(2);
+  const auto ball = obstacle_rows(0), led = obstacle_rows(1), turned = obstacle_rows(2);
   ASSERT_EQ(ball.size(), 41U);
   for (int i = 0; i <= 40; ++i) {
     const double t = 0.025 * i;
@@ -208,7 +210,7 @@ TEST_F(ContactRun, AWallThatIsLedPushesTheBlock) {
   scene["damping"]["mass"] = 2;  // 1/s: at the wall's speed v the force is 2 M v
   const Json summary = run(scene);
   const double mass = summary["body_mass"];
-  const auto wall = obstacle(1);
+  const auto wall = obstacle_rows(1);
   ASSERT_EQ(wall.size(), 111U);
   V impulse = V::Zero();
   for (std::size_t i = 61; i <= 110; ++i) impulse += h * wall[i].force;
@@ -345,13 +347,63 @@ TEST_F(ContactRun, FramesShowObstacles) {
     }
     for (int o = 1; o < 4; ++o) {
       EXPECT_NEAR(volume[at(o)], volumes[o], (o == 2 ? 1e-9 : 0.03) * volumes[o]) << o;
-      EXPECT_NEAR((first_moment[at(o)] / volume[at(o)] - obstacle(o)[at(2 * frame)].place).norm(), 0, 1e-9) << o;
+      EXPECT_NEAR((first_moment[at(o)] / volume[at(o)] - obstacle_rows(o)[at(2 * frame)].place).norm(), 0, 1e-9) << o;
     }
   }
   // A run without obstacles leaves nothing of them.
   run(block({{"obstacles", Json::array()}, {"steps", 1}}));
   for (const char* name : {"obstacles.csv", "obstacles.pvd", "frames/obstacles_000000.vtu"})
     EXPECT_FALSE(exists(std::string("out/") + name)) << name;
+}
+
+// A box by its triangles is the box: led and free, its mesh far from its centre of mass, wound either way.
+TEST_F(ContactRun, AMeshIsTheSolidThatItEncloses) {
+  must("mesh block --size 0.4 0.4 0.1 --corner 1 2 3 --cells 2 2 1 -o plate.obj");
+  std::string turned = read("plate.obj");
+  for (std::size_t line = turned.find("\nf "); line != std::string::npos; line = turned.find("\nf ", line + 1)) {
+    std::istringstream corners(turned.substr(line + 3, turned.find('\n', line + 1) - line - 3));
+    std::string a, b, c;
+    corners >> a >> b >> c;
+    turned.replace(line + 3, turned.find('\n', line + 1) - line - 3, a + " " + c + " " + b);
+  }
+  write("turned.obj", turned);
+  const Json box = Json::parse(R"({"box": {"half_extents": [0.2, 0.2, 0.05]}, "pose": {"position": [0.2, 0.2, 0.6]}})");
+  for (const double mass : {0.0, 5.0}) {
+    Json scene = block({{"steps", 40}, {"frames", {{"every", 40}}}});
+    const auto run_with = [&](Json obstacle, const std::string& folder) {
+      obstacle["mass"] = mass;
+      if (mass == 0) obstacle["path"] = Json::parse("[[0, 0, 0, 0], [0.5, 0, 0, -0.3]]");
+      scene["obstacles"] = {obstacle};
+      scene["gravity"] = {0, 0, mass > 0 ? -g : 0};
+      if (mass > 0) scene["obstacles"].push_back(Json::parse(R"({"half_space": {}})"));
+      run(scene, "", folder);
+      return obstacle_rows(0, folder);
+    };
+    const auto expected = run_with(box, "box");
+    for (const char* file : {"plate.obj", "turned.obj"}) {
+      const auto rows = run_with({{"mesh", file}, {"pose", {{"position", {-1, -2, 0.6 - 3.05}}}}}, "mesh");
+      ASSERT_EQ(rows.size(), expected.size());
+      double largest = 0;
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        // The pose is that of the file's frame: the plate's centre is at (1.2, 2.2, 3.05) there.
+        const auto& [w, x, y, z] = rows[i].rotation;
+        const V centre = rows[i].place + corotet::rotation_of<double>({w, x, y, z}) * V(1.2, 2.2, 3.05);
+        EXPECT_NEAR((centre - expected[i].place).norm(), 0, 1e-4) << file << ", step " << i;
+        EXPECT_NEAR((rows[i].force - expected[i].force).norm(), 0, 1e-2 * 5 * g) << file << ", step " << i;
+        largest = std::fmax(largest, rows[i].force.norm());
+      }
+      EXPECT_GT(largest, 10) << "they touched";
+      const std::string frame = read("mesh/frames/obstacles_000001.vtu");
+      const auto points = vtu_array<double>(frame, "Points");
+      const auto corners = vtu_array<Index>(frame, "connectivity"), number = vtu_array<Index>(frame, "obstacle");
+      double volume = 0;
+      for (std::size_t t = 0; t < number.size(); ++t) {
+        const auto x = [&](std::size_t k) { return V::load(points.data() + 3 * at(corners[3 * t + k])); };
+        if (number[t] == 0) volume += x(0).dot(x(1).cross(x(2))) / 6;
+      }
+      EXPECT_NEAR(volume, 0.4 * 0.4 * 0.1, 1e-6) << file;
+    }
+  }
 }
 
 TEST_F(ContactRun, ContactsWithoutMemoryAndUnsettledOnesAreWarnedOf) {
@@ -381,7 +433,7 @@ TEST_F(ContactRun, TheSceneOfTheDataFolderRuns) {
   EXPECT_EQ(summary["contact"]["dropped"], 0);
   EXPECT_GT(summary["contact"]["touching"], 0);
   EXPECT_GT(summary["attachments"][0]["force"][2], 10) << "the grab pulls upwards";
-  EXPECT_NEAR(obstacle(1).back().place.z(), 0.27, 0.06) << "the crate is on the block";
+  EXPECT_NEAR(obstacle_rows(1).back().place.z(), 0.27, 0.06) << "the crate is on the block";
 }
 
 TEST_F(ContactRun, StudiesRefuseContactByName) {

@@ -151,6 +151,8 @@ TEST_F(SceneErrors, OfContact) {
        "obstacles[0].capsule.half_height: must be >= 0"},
       {R"("obstacles": [{"mesh": 5}])", "obstacles[0].mesh: must be text"},
       {R"("obstacles": [{"mesh": "rock.obj"}])", "obstacles[0].mesh: there is no file rock.obj"},
+      {R"("obstacles": [{"mesh": "words.txt"}])", "obstacles[0].mesh: words.txt"},
+      {R"("obstacles": [{"half_space": {}}, {"mesh": "open.obj"}])", "obstacles[1].mesh: open.obj: triangle 0"},
       {R"("obstacles": [{"half_space": {}, "friction": -1}])", "obstacles[0].friction: must be >= 0"},
       {R"("obstacles": [{"half_space": {}}, {"half_space": {}, "mass": 1}])",
        "obstacles[1].mass: a half_space has no centre of mass"},
@@ -188,6 +190,8 @@ TEST_F(SceneErrors, OfContact) {
       {R"("attachments": [{"nearest": [0,0,0], "damping": 1e300}])",
        "attachments[0].damping: 1e+300 is too large for float"},
   };
+  write("words.txt", "up up away\n");
+  write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   for (const Row& row : rows) expect_refusal(std::string(R"({"mesh": "beam.msh", )") + row.member + "}", row.error);
 }
 
