@@ -12,6 +12,12 @@
 #include "process_usage.hpp"
 
 namespace corotet::program {
+namespace {
+
+/// What messages about one of several bodies begin with.
+std::string label(const Scene& scene) { return scene.name.empty() ? "" : fmt::format("body {}: ", scene.name); }
+
+}  // namespace
 
 BodyRun::BodyRun(const Scene& scene, Obstacles& obstacles, int threads, ThreadPool& pool)
     : scene_(scene), input_(read_input(scene)), statistics_(scene.steps) {
@@ -22,7 +28,7 @@ BodyRun::BodyRun(const Scene& scene, Obstacles& obstacles, int threads, ThreadPo
   facts_.setup_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   facts_.simulation = simulation_->facts();
   if (input_.surface) {
-    Problems problems(scene.file.string());
+    Problems problems(scene.file.string(), scene.key_prefix);
     facts_.surface = problems.take("surface", simulation_->bind(*input_.surface, pool));
     problems.stop_if_any();
   }
@@ -43,8 +49,8 @@ void BodyRun::print_notes() const {
                scene_.mesh.string(), facts_.simulation.flipped_elements, facts_.simulation.elements);
 }
 
-void BodyRun::begin_output(const std::filesystem::path& folder) {
-  output_.emplace(folder);
+void BodyRun::begin_output(OutputFolder& run) {
+  output_ = has_name() ? &own_folder_.emplace(run.path() / body_folder(scene_.name)) : &run;
   record(0);
 }
 
@@ -71,7 +77,7 @@ std::string BodyRun::step(int step, ThreadPool& pool) {
   statistics_.add(report, clock, cpu_seconds() - cpu_before);
   if (!report.accepted()) {
     const std::string vertex = report.vertex < 0 ? "" : fmt::format(" (vertex {})", report.vertex);
-    return fmt::format("step {} of {} was refused{}: {}", step, scene_.steps, vertex, report.advice());
+    return fmt::format("{}step {} of {} was refused{}: {}", label(scene_), step, scene_.steps, vertex, report.advice());
   }
   if (facts_.contact_points > 0) facts_.contact.add(simulation_->contact_terms().contact_report());
   for (std::size_t i = 0; i < facts_.attachments.size(); ++i)
@@ -80,17 +86,18 @@ std::string BodyRun::step(int step, ThreadPool& pool) {
   return "";
 }
 
-void BodyRun::finish(const std::string& stopped_because) {
+Json BodyRun::finish(const std::string& stopped_because) {
   facts_.stopped_because = stopped_because;
   facts_.peak_rss_mb = peak_rss_mb();
   facts_.spmv_us = simulation_->measure_spmv_us();
   if (stopped_because.empty()) output_->write_final(*simulation_, facts_.simulation.vertices);
-  output_->write_summary(format_summary(scene_, input_, facts_, statistics_));
-  warn();
+  return summary_of(scene_, input_, facts_, statistics_);
 }
 
 void BodyRun::warn() const {
-  const auto say = [](const std::string& text) { fmt::print(stderr, "corotet: warning: {}\n", text); };
+  const auto say = [&](const std::string& text) {
+    fmt::print(stderr, "corotet: warning: {}{}\n", label(scene_), text);
+  };
   const StepCounts& counts = statistics_.counts();
   if (counts.unconverged > 0) {
     say(
@@ -132,9 +139,10 @@ void BodyRun::warn() const {
 
 void BodyRun::print_result() const {
   fmt::print(
-      "{} vertices, {} elements, {} pinned; {} steps of {:.6g} s by {}, median {:.3g} ms a step; results in {}\n",
-      facts_.simulation.vertices, facts_.simulation.elements, facts_.pinned_vertices, statistics_.counts().accepted,
-      scene_.dt, facts_.simulation.solver, statistics_.median_step_ms(), output_->path().string());
+      "{}{} vertices, {} elements, {} pinned; {} steps of {:.6g} s by {}, median {:.3g} ms a step; results in {}\n",
+      label(scene_), facts_.simulation.vertices, facts_.simulation.elements, facts_.pinned_vertices,
+      statistics_.counts().accepted, scene_.dt, facts_.simulation.solver, statistics_.median_step_ms(),
+      output_->path().string());
 }
 
 }  // namespace corotet::program

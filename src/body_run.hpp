@@ -2,12 +2,12 @@
 #pragma once
 
 #include <corotet/detail/core/thread_pool.hpp>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "json_file.hpp"
 #include "local_origin.hpp"
 #include "obstacle_run.hpp"
 #include "output_folder.hpp"
@@ -30,22 +30,25 @@ class BodyRun {
 
   /// Says on stderr what was changed or left out.
   void print_notes() const;
-  /// Makes the folder of the results, and writes there how the body begins.
-  void begin_output(const std::filesystem::path& folder);
+  /// Writes how the body begins: into the results of the run, or into a folder of its own there if it has a name.
+  void begin_output(OutputFolder& run);
   /// Step number `step`, from 1, with what it leaves in the folder. Returns why it was refused, or "".
   [[nodiscard]] std::string step(int step, ThreadPool& pool);
-  /// Writes final.txt, unless the run was stopped, and summary.json; says on stderr what the steps warn of.
-  /// `stopped_because`: empty for a run that was completed.
-  void finish(const std::string& stopped_because);
+  /// Writes final.txt, unless the run was stopped; returns what summary.json says of the body. `stopped_because`: empty
+  /// for a run that was completed.
+  [[nodiscard]] Json finish(const std::string& stopped_because);
+  /// Says on stderr what the steps warn of.
+  void warn() const;
   /// One line on stdout: what was done.
   void print_result() const;
 
+  [[nodiscard]] const Scene& scene() const { return scene_; }
+  [[nodiscard]] bool has_name() const { return !scene_.name.empty(); }
   /// The box around the body at rest, m.
   [[nodiscard]] Bounds bounds() const { return Bounds::of(input_.mesh); }
 
  private:
   void record(int step);
-  void warn() const;
 
   const Scene& scene_;
   RunInput input_;
@@ -53,7 +56,8 @@ class BodyRun {
   std::unique_ptr<Simulation> simulation_;
   ContactSetup contact_;
   StepStatistics statistics_;
-  std::optional<OutputFolder> output_;
+  std::optional<OutputFolder> own_folder_;
+  OutputFolder* output_ = nullptr;
 };
 
 }  // namespace corotet::program

@@ -135,8 +135,8 @@ void read_contact(ObjectReader& in, ContactScene& contact) {
   });
   if (contact.points == TouchingPoints::surface && !in.has("surface"))
     in.problems().add(in.path_of("contact.points"),
-                      "\"surface\" takes the vertices of the scene's surface, which has none: add the key "
-                      "\"surface\", or take \"boundary\"");
+                      "\"surface\" takes the vertices under the key \"surface\", which is missing: add it, or take "
+                      "\"boundary\"");
   in.list("attachments", [&](const Json& entry, const std::string& where) {
     read_attachment(entry, where, in.problems(), contact.attachments);
   });

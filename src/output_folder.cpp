@@ -17,8 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Removes what a run writes and nothing else, so that old files cannot pass for new ones.
-void remove_earlier_run(const fs::path& folder) {
+constexpr const char* body_prefix = "body_";
+
+void remove_results(const fs::path& folder) {
   std::error_code ignored;
   for (const char* name : {"summary.json", "final.txt", "probes.csv", "attachments.csv", "obstacles.csv", "volume.pvd",
                            "surface.pvd", "obstacles.pvd"})
@@ -30,7 +31,18 @@ void remove_earlier_run(const fs::path& folder) {
   }
 }
 
+/// Removes what a run writes and nothing else, so that old files cannot pass for new ones.
+void remove_earlier_run(const fs::path& folder) {
+  std::error_code ignored;
+  remove_results(folder);
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().filename().string().starts_with(body_prefix) && entry.is_directory(ignored))
+      remove_results(entry.path());
+}
+
 }  // namespace
+
+std::string body_folder(const std::string& name) { return body_prefix + name; }
 
 void make_folder(const fs::path& folder) {
   std::error_code code;
@@ -43,10 +55,10 @@ void make_folder(const fs::path& folder) {
 OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
   make_folder(folder_);
   remove_earlier_run(folder_);
-  probes_.open(folder_ / "probes.csv", "t,probe,x,y,z");
 }
 
 void OutputFolder::add_probes(double t, const Simulation& simulation, const std::vector<Index>& probes) {
+  if (!probes_.is_open()) probes_.open(folder_ / "probes.csv", "t,probe,x,y,z");
   std::string rows;
   for (std::size_t p = 0; p < probes.size(); ++p) {
     const Vec3<double> x = simulation.position(probes[p]);

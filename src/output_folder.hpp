@@ -16,6 +16,9 @@ namespace corotet::program {
 /// Makes a folder, with those above it, if it is not there. Throws a Failure that names it if it cannot be made.
 void make_folder(const std::filesystem::path& folder);
 
+/// The folder of one of several bodies, in that of the results.
+[[nodiscard]] std::string body_folder(const std::string& name);
+
 /// An attachment after a step.
 struct AttachmentState {
   Vec3<double> place;  ///< of the point that is tied, m

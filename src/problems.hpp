@@ -13,11 +13,12 @@ namespace corotet::program {
 
 class Problems {
  public:
-  /// `source`: the file that they are about.
-  explicit Problems(std::string source) : source_(std::move(source)) {}
+  /// `source`: the file that they are about; `prefix`: what stands before all keys, such as "bodies[1].".
+  explicit Problems(std::string source, std::string prefix = "")
+      : source_(std::move(source)), prefix_(std::move(prefix)) {}
 
   void add(const std::string& key, const std::string& reason) {
-    list_.push_back(key.empty() ? reason : key + ": " + reason);
+    list_.push_back(key.empty() ? reason : prefix_ + key + ": " + reason);
   }
 
   /// The value of a library call, or nothing, after noting its error under `key`.
@@ -43,7 +44,7 @@ class Problems {
   }
 
  private:
-  std::string source_;
+  std::string source_, prefix_;
   std::vector<std::string> list_;
 };
 

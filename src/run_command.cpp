@@ -2,16 +2,21 @@
 #include <fmt/core.h>
 
 #include <exception>
-#include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "body_run.hpp"
 #include "command.hpp"
 #include "failure.hpp"
+#include "json_file.hpp"
+#include "local_origin.hpp"
 #include "obstacle_output.hpp"
 #include "obstacle_run.hpp"
+#include "output_folder.hpp"
 #include "progress.hpp"
+#include "run_summary.hpp"
 #include "scene.hpp"
 
 namespace corotet::program {
@@ -33,42 +38,70 @@ ThreadPool make_pool(int threads) {
   }
 }
 
+using Bodies = std::vector<std::unique_ptr<BodyRun>>;
+
+/// The box around all bodies at rest, m.
+Bounds bounds_of(const Bodies& bodies) {
+  Bounds all = bodies.front()->bounds();
+  for (const auto& body : bodies) {
+    const Bounds box = body->bounds();
+    all = {all.least.cwiseMin(box.least), all.most.cwiseMax(box.most)};
+  }
+  return all;
+}
+
 /// All bodies together, and the obstacles that they share. Returns why the run ended early, or "".
-std::string simulate(const Scene& scene, BodyRun& body, ObstacleRun& obstacles, ThreadPool& pool,
-                     const std::filesystem::path& folder) {
-  const auto [least, most] = body.bounds();
-  body.begin_output(folder);
-  ObstacleOutput output(folder, least + (most - least) / 2, 2 * (most - least).norm());
+std::string simulate(const Scene& shared, const Bodies& bodies, ObstacleRun& obstacles, ThreadPool& pool,
+                     ObstacleOutput& output) {
   const auto record = [&](int step) {
-    const double t = step * scene.dt;
-    output.add_rows(t, scene.dt, obstacles);
-    if (scene.frames_every > 0 && step % scene.frames_every == 0) output.add_frame(t, obstacles);
+    const double t = step * shared.dt;
+    output.add_rows(t, shared.dt, obstacles);
+    if (shared.frames_every > 0 && step % shared.frames_every == 0) output.add_frame(t, obstacles);
   };
   record(0);
-  Progress progress(scene.steps);
-  for (int step = 1; step <= scene.steps; ++step) {
-    obstacles.begin_step(step * scene.dt, scene.dt);
-    if (std::string refusal = body.step(step, pool); !refusal.empty()) return refusal;
-    obstacles.advance(scene.dt);
+  Progress progress(shared.steps);
+  for (int step = 1; step <= shared.steps; ++step) {
+    obstacles.begin_step(step * shared.dt, shared.dt);
+    for (const auto& body : bodies)
+      if (std::string refusal = body->step(step, pool); !refusal.empty()) return refusal;
+    obstacles.advance(shared.dt);
     record(step);
     progress.show(step);
   }
   return "";
 }
 
+/// The text of summary.json: of the only body, or of all.
+std::string format_summary(const Bodies& bodies, const std::string& stopped_because) {
+  if (!bodies.front()->has_name()) return format_json(bodies.front()->finish(stopped_because));
+  Json summary = summary_head(bodies.front()->scene(), stopped_because);
+  for (const auto& body : bodies) summary["bodies"].push_back(body->finish(stopped_because));
+  return format_json(summary);
+}
+
 int run(const RunCommandOptions& options) {
-  Scene scene = read_scene(options.scene);
-  if (options.steps >= 0) scene.steps = options.steps;
-  if (options.frames_every >= 0) scene.frames_every = options.frames_every;
+  std::vector<Scene> scenes = read_scenes(options.scene);
+  for (Scene& scene : scenes) {
+    if (options.steps >= 0) scene.steps = options.steps;
+    if (options.frames_every >= 0) scene.frames_every = options.frames_every;
+  }
   ThreadPool pool = make_pool(options.threads);
-  ObstacleRun obstacles(scene);
-  BodyRun body(scene, obstacles.obstacles(), options.threads, pool);
+  ObstacleRun obstacles(scenes.front());
+  Bodies bodies;
+  for (const Scene& scene : scenes)
+    bodies.push_back(std::make_unique<BodyRun>(scene, obstacles.obstacles(), options.threads, pool));
   print_notes(obstacles.notes());
-  body.print_notes();
-  const std::string stopped_because = simulate(scene, body, obstacles, pool, options.output);
-  body.finish(stopped_because);
+  for (const auto& body : bodies) body->print_notes();
+
+  OutputFolder folder(options.output);  // not before now: a scene that cannot run leaves nothing behind
+  for (const auto& body : bodies) body->begin_output(folder);
+  const auto [least, most] = bounds_of(bodies);
+  ObstacleOutput output(folder.path(), least + (most - least) / 2, 2 * (most - least).norm());
+  const std::string stopped_because = simulate(scenes.front(), bodies, obstacles, pool, output);
+  folder.write_summary(format_summary(bodies, stopped_because));
+  for (const auto& body : bodies) body->warn();
   if (!stopped_because.empty()) throw Failure(fmt::format("{}: {}", options.scene, stopped_because));
-  body.print_result();
+  for (const auto& body : bodies) body->print_result();
   return 0;
 }
 

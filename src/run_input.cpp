@@ -95,7 +95,7 @@ void match(const Scene& scene, RunInput& input, Problems& problems) {
 }  // namespace
 
 RunInput match_input(const Scene& scene, MeshData mesh) {
-  Problems problems(scene.file.string());
+  Problems problems(scene.file.string(), scene.key_prefix);
   RunInput input;
   input.mesh = std::move(mesh);
   match(scene, input, problems);
@@ -104,7 +104,7 @@ RunInput match_input(const Scene& scene, MeshData mesh) {
 }
 
 RunInput read_input(const Scene& scene) {
-  Problems problems(scene.file.string());
+  Problems problems(scene.file.string(), scene.key_prefix);
   RunInput input;
   const auto take_notes = [&](const std::filesystem::path& path, const std::vector<std::string>& notes) {
     for (const std::string& note : notes) input.notes.push_back(path.string() + ": " + note);

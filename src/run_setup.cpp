@@ -8,7 +8,7 @@
 namespace corotet::program {
 
 Index set_up(Simulation& simulation, const Scene& scene, const RunInput& input) {
-  Problems problems(scene.file.string());  // numbers that are infinite in float
+  Problems problems(scene.file.string(), scene.key_prefix);  // numbers that are infinite in float
   if (input.positions) problems.check("initial.positions", simulation.set_positions(*input.positions));
   if (input.velocities) problems.check("initial.velocities", simulation.set_velocities(*input.velocities));
   problems.stop_if_any();
@@ -24,7 +24,7 @@ Index set_up(Simulation& simulation, const Scene& scene, const RunInput& input) 
 }
 
 ContactSetup set_up_contact(Simulation& simulation, const Scene& scene, Obstacles& obstacles) {
-  Problems problems(scene.file.string());
+  Problems problems(scene.file.string(), scene.key_prefix);
   ContactSetup contact;
   if (scene.touches_obstacles()) {
     problems.check("contact.points", simulation.touch(obstacles, scene.contact));

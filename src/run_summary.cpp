@@ -101,13 +101,21 @@ Json ContactStatistics::summary(Index points) const {
           {"unsettled", unsettled_}};
 }
 
-std::string format_summary(const Scene& scene, const RunInput& input, const RunFacts& facts,
-                           const StepStatistics& steps) {
+Json summary_head(const Scene& scene, const std::string& stopped_because) {
   Json summary;
   summary["corotet"] = fmt::format("{}.{}.{}", COROTET_VERSION_MAJOR, COROTET_VERSION_MINOR, COROTET_VERSION_PATCH);
   summary["scene"] = scene.file.string();
-  summary["completed"] = facts.stopped_because.empty();
-  if (!facts.stopped_because.empty()) summary["stopped_because"] = facts.stopped_because;
+  summary["completed"] = stopped_because.empty();
+  if (!stopped_because.empty()) summary["stopped_because"] = stopped_because;
+  return summary;
+}
+
+Json summary_of(const Scene& scene, const RunInput& input, const RunFacts& facts, const StepStatistics& steps) {
+  Json summary;
+  if (scene.name.empty())
+    summary = summary_head(scene, facts.stopped_because);
+  else
+    summary["name"] = scene.name;
   summary["vertices"] = facts.simulation.vertices;
   summary["elements"] = facts.simulation.elements;
   summary["pinned_vertices"] = facts.pinned_vertices;
@@ -148,6 +156,10 @@ std::string format_summary(const Scene& scene, const RunInput& input, const RunF
     const Vec3<double>& x = input.mesh.positions[at(v)];
     summary["probes"].push_back({{"vertex", v}, {"rest", {x[0], x[1], x[2]}}});
   }
+  return summary;
+}
+
+std::string format_json(const Json& summary) {
   // Paths may hold any bytes; what is not UTF-8 is replaced rather than thrown at.
   return summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -85,8 +85,14 @@ struct RunFacts {
   std::string stopped_because;  ///< empty: it was completed
 };
 
+/// How each summary begins: program, scene, and whether the run was completed (`stopped_because` is empty).
+[[nodiscard]] Json summary_head(const Scene& scene, const std::string& stopped_because);
+
+/// Of a body, for summary.json: with the head, or with the name if it is one of several bodies.
+[[nodiscard]] Json summary_of(const Scene& scene, const RunInput& input, const RunFacts& facts,
+                              const StepStatistics& steps);
+
 /// The text of summary.json.
-[[nodiscard]] std::string format_summary(const Scene& scene, const RunInput& input, const RunFacts& facts,
-                                         const StepStatistics& steps);
+[[nodiscard]] std::string format_json(const Json& summary);
 
 }  // namespace corotet::program

@@ -11,6 +11,7 @@
 #include <tuple>
 #include <utility>
 
+#include "failure.hpp"
 #include "file_key.hpp"
 #include "json_file.hpp"
 #include "object_reader.hpp"
@@ -115,8 +116,9 @@ void read_solver(ObjectReader& in, SolverOptions& solver) {
 void check_float_range(const Scene& scene, Problems& problems) {
   constexpr auto least = static_cast<double>(std::numeric_limits<float>::min());
   constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
+  std::string prefix;
   const auto refuse = [&](const std::string& key, double value, const char* what) {
-    problems.add(key, fmt::format("{} is too {} for float; \"scalar\": \"double\" can hold it", value, what));
+    problems.add(prefix + key, fmt::format("{} is too {} for float; \"scalar\": \"double\" can hold it", value, what));
   };
   const auto check = [&](const std::string& key, double value) {
     if (std::abs(value) > most) refuse(key, value, "large");
@@ -129,11 +131,12 @@ void check_float_range(const Scene& scene, Problems& problems) {
     check(key, *std::max_element(v.begin(), v.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }));
   };
   check_positive("integrator.dt", scene.dt);
+  check_vector("gravity", scene.gravity);
+  prefix = scene.key_prefix;
   check_positive("material.young", scene.material.young);
   check_positive("material.density", scene.material.density);
   check("damping.mass", scene.damping.mass);
   check("damping.stiffness", scene.damping.stiffness);
-  check_vector("gravity", scene.gravity);
   if (scene.initial_velocity) check_vector("initial.velocity", *scene.initial_velocity);
   if (scene.initial_angular_velocity) check_vector("initial.angular_velocity", *scene.initial_angular_velocity);
   for (std::size_t i = 0; i < scene.forces.size(); ++i) {
@@ -149,17 +152,23 @@ void check_float_range(const Scene& scene, Problems& problems) {
       check_vector(fmt::format("pins[{}].path[{}]", i, k), scene.pins[i].path[k].displacement);
 }
 
-}  // namespace
+void read_initial(ObjectReader& in, const fs::path& folder, Scene& scene) {
+  scene.initial_positions = read_file_key(in, "positions", folder);
+  scene.initial_velocities = read_file_key(in, "velocities", folder);
+  const auto read_motion = [&](const char* key, std::optional<Vec3<double>>& motion) {
+    if (!in.has(key)) return;
+    in.vector(key, motion.emplace(Vec3<double>::Zero()));
+    if (in.has("velocities"))
+      in.problems().add(in.path_of(key), "velocities come from a file already: initial.velocities");
+  };
+  read_motion("velocity", scene.initial_velocity);
+  read_motion("angular_velocity", scene.initial_angular_velocity);
+}
 
-Scene read_scene(const fs::path& path) {
-  const Json json = read_json(path);
-  const fs::path folder = path.parent_path();
-  Problems problems(path.string());
-  Scene scene;
-  scene.file = path;
-
-  ObjectReader in(json, "", problems);
-  if (json.is_object() && !in.has("mesh")) problems.add("mesh", "is missing; every scene needs one");
+/// The keys of a body; `value`: the object that holds them.
+void read_body(ObjectReader& in, const Json& value, const fs::path& folder, Scene& scene) {
+  Problems& problems = in.problems();
+  if (value.is_object() && !in.has("mesh")) problems.add(in.path_of("mesh"), "is missing; every body needs one");
   scene.mesh = read_file_key(in, "mesh", folder).value_or("");
   in.integer("order", scene.order, 1, 2);
   in.choice("scalar", scene.scalar,
@@ -176,7 +185,6 @@ Scene read_scene(const fs::path& path) {
   in.list("pins", [&](const Json& pin, const std::string& where) { read_pin(pin, where, problems, scene.pins); });
   in.list("forces",
           [&](const Json& force, const std::string& where) { read_force(force, where, problems, scene.forces); });
-  in.vector("gravity", scene.gravity);
   in.choice("mass", scene.mass, {{"lumped", MassModel::lumped}, {"consistent", MassModel::consistent}});
   in.choice("dilatation", scene.volumetric_strain,
             {{"per_element", VolumetricStrain::pointwise}, {"mean", VolumetricStrain::averaged}});
@@ -185,32 +193,77 @@ Scene read_scene(const fs::path& path) {
              {"gram_schmidt", RotationKind::gram_schmidt},
              {"polar", RotationKind::polar}});
   in.choice("rotation_site", scene.rotation_site, {{"point", RotationSite::point}, {"element", RotationSite::element}});
-  in.object("integrator", [&](ObjectReader& integrator) { read_integrator(integrator, scene); });
-  in.object("solver", [&](ObjectReader& solver) { read_solver(solver, scene.solver); });
-  in.object("initial", [&](ObjectReader& initial) {
-    scene.initial_positions = read_file_key(initial, "positions", folder);
-    scene.initial_velocities = read_file_key(initial, "velocities", folder);
-    const auto read_motion = [&](const char* key, std::optional<Vec3<double>>& motion) {
-      if (!initial.has(key)) return;
-      initial.vector(key, motion.emplace(Vec3<double>::Zero()));
-      if (initial.has("velocities"))
-        problems.add(initial.path_of(key), "velocities come from a file already: initial.velocities");
-    };
-    read_motion("velocity", scene.initial_velocity);
-    read_motion("angular_velocity", scene.initial_angular_velocity);
-  });
+  in.object("initial", [&](ObjectReader& initial) { read_initial(initial, folder, scene); });
   scene.surface = read_file_key(in, "surface", folder);
+  read_contact(in, scene.contact);
   in.list("probes",
           [&](const Json& probe, const std::string& where) { read_probe(probe, where, problems, scene.probes); });
+}
+
+/// The keys that all bodies share.
+void read_shared(ObjectReader& in, const fs::path& folder, Scene& scene) {
+  in.vector("gravity", scene.gravity);
+  in.object("integrator", [&](ObjectReader& integrator) { read_integrator(integrator, scene); });
+  in.object("solver", [&](ObjectReader& solver) { read_solver(solver, scene.solver); });
+  read_obstacles(in, folder, scene.obstacles);
   in.integer("steps", scene.steps, 0);
   in.object("frames", [&](ObjectReader& frames) { frames.integer("every", scene.frames_every, 0); });
-  read_contact(in, scene.contact);
-  read_obstacles(in, folder, scene.obstacles);
+}
+
+/// The name of a body, which becomes that of a folder: its number unless it has one.
+std::string read_name(ObjectReader& in, const std::vector<Scene>& before) {
+  std::string name = std::to_string(before.size());
+  in.text("name", name);
+  const auto is_plain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+  };
+  if (name.empty() || !std::all_of(name.begin(), name.end(), is_plain))
+    in.problems().add(in.path_of("name"), fmt::format("must be letters, digits, - and _, is \"{}\"", name));
+  if (std::any_of(before.begin(), before.end(), [&](const Scene& other) { return other.name == name; }))
+    in.problems().add(in.path_of("name"), fmt::format("another body is called \"{}\"", name));
+  return name;
+}
+
+}  // namespace
+
+std::vector<Scene> read_scenes(const fs::path& path) {
+  const Json json = read_json(path);
+  const fs::path folder = path.parent_path();
+  Problems problems(path.string());
+  ObjectReader in(json, "", problems);
+  Scene shared;
+  shared.file = path;
+  read_shared(in, folder, shared);
+
+  std::vector<Scene> bodies;
+  if (in.has("bodies")) {
+    in.list("bodies", [&](const Json& value, const std::string& where) {
+      ObjectReader body(value, where, problems);
+      Scene scene = shared;
+      scene.name = read_name(body, bodies);
+      scene.key_prefix = where + ".";
+      read_body(body, value, folder, scene);
+      body.refuse_others();
+      bodies.push_back(std::move(scene));
+    });
+    if (json["bodies"].is_array() && json["bodies"].empty()) problems.add("bodies", "must hold at least one body");
+  } else {
+    read_body(in, json, folder, bodies.emplace_back(shared));
+  }
   in.refuse_others();
-  check_integrator(scene, problems);
+  for (const Scene& scene : bodies) check_integrator(scene, problems);
   problems.stop_if_any();
-  if (scene.scalar == ScalarKind::single_precision) check_float_range(scene, problems);
+  for (const Scene& scene : bodies)
+    if (scene.scalar == ScalarKind::single_precision) check_float_range(scene, problems);
   problems.stop_if_any();
+  return bodies;
+}
+
+Scene read_scene(const fs::path& path) {
+  Scene scene = std::move(read_scenes(path).front());
+  if (!scene.name.empty())
+    throw Failure(path.string() +
+                  ": bodies: only `corotet run` takes several: write the keys of one body beside \"steps\"");
   return scene;
 }
 

@@ -10,6 +10,7 @@
 #include <corotet/detail/solve/auto_solver.hpp>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "contact_scene.hpp"
@@ -40,9 +41,13 @@ struct ForceBox {
   Vec3<double> torque = Vec3<double>::Zero();  ///< N m, as forces across to the axis through their centre
 };
 
+/// A body, and what it shares with the scene's other bodies.
 struct Scene {
   std::filesystem::path file;  ///< where it was read from
+  std::string name;            ///< of one of several bodies; empty: the only one
+  std::string key_prefix;      ///< what stands before the keys of the body in the file: "bodies[1]."
 
+  // The body.
   std::filesystem::path mesh;
   int order = 0;  ///< 1 or 2; 0: the mesh file's
   ScalarKind scalar = ScalarKind::single_precision;
@@ -50,31 +55,37 @@ struct Scene {
   RayleighDamping damping;
   std::vector<PinBox> pins;
   std::vector<ForceBox> forces;
-  Vec3<double> gravity{0, 0, -9.81};  ///< m/s^2
   MassModel mass = MassModel::lumped;
   VolumetricStrain volumetric_strain = VolumetricStrain::pointwise;
   RotationKind rotation = RotationKind::polar;
   RotationSite rotation_site = RotationSite::point;
-  IntegratorKind integrator = IntegratorKind::implicit_euler;
-  double dt = 1.0 / 60;  ///< s
-  StepOptions newton;
-  OnUnreliable untrusted = OnUnreliable::accept;
-  SolverOptions solver;
   std::optional<std::filesystem::path> initial_positions, initial_velocities;
   std::optional<Vec3<double>> initial_velocity;          ///< of all vertices, m/s
   std::optional<Vec3<double>> initial_angular_velocity;  ///< about the centre of mass, rad/s
   std::optional<std::filesystem::path> surface;
   ContactScene contact;
-  std::vector<ObstacleEntry> obstacles;
   std::vector<Vec3<double>> probes;  ///< each names the vertex nearest to it at rest
+
+  // The same for all bodies.
+  Vec3<double> gravity{0, 0, -9.81};  ///< m/s^2
+  IntegratorKind integrator = IntegratorKind::implicit_euler;
+  double dt = 1.0 / 60;  ///< s
+  StepOptions newton;
+  OnUnreliable untrusted = OnUnreliable::accept;
+  SolverOptions solver;
+  std::vector<ObstacleEntry> obstacles;
   int steps = 60;
   int frames_every = 0;  ///< 0: no frames
 
   [[nodiscard]] bool touches_obstacles() const { return !obstacles.empty() && contact.points != TouchingPoints::none; }
 };
 
-/// Reads and checks a scene. Throws a Failure that lists every problem by its key: unknown keys, wrong types, values
-/// out of range, files that are not there. Paths come out relative to the working directory.
+/// Reads and checks a scene; an entry for each body, at least one. Throws a Failure that lists every problem by its
+/// key: unknown keys, wrong types, values out of range, files that are not there. Paths come out relative to the
+/// working directory.
+[[nodiscard]] std::vector<Scene> read_scenes(const std::filesystem::path& path);
+
+/// The same for commands that take one body: throws for a scene with the key "bodies", too.
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path);
 
 /// Throws a Failure that names the keys of the scene's obstacles and attachments: `command` does not know them.

@@ -203,7 +203,7 @@ class TypedSimulation final : public Simulation {
   }
 
   static Body make_body(const Scene& scene, const MeshData& mesh) {
-    Problems problems(scene.file.string());
+    Problems problems(scene.file.string(), scene.key_prefix);
     auto checked = TetMesh<Scalar, Element>::create(mesh, local_origin<Scalar>(mesh));
     if (!checked) {
       const bool unused_vertex = checked.error().code == ErrorCode::unreferenced_vertex;

@@ -427,6 +427,83 @@ TEST_F(ContactRun, ContactsWithoutMemoryAndUnsettledOnesAreWarnedOf) {
   EXPECT_GT(read_json("out/summary.json")["contact"]["unsettled"], 0);
 }
 
+// Bodies that share no free obstacle move as each does alone, in the same bytes.
+TEST_F(ContactRun, SeveralBodiesMoveAsEachDoesAlone) {
+  must("mesh beam --cells 6 2 2 -o beam.msh");
+  const Json shared = Json::parse(R"({"steps": 30, "frames": {"every": 30}, "obstacles": [{"half_space": {}},
+    {"sphere": {"radius": 0.1}, "pose": {"position": [0.2, 0.2, 0.7]}, "path": [[0, 0, 0, 0], [0.5, 0, 0, -0.3]]}]})");
+  const std::vector<Json> bodies{
+      Json::parse(R"({"mesh": "block.msh", "contact": {"friction": 0.3}, "probes": [{"nearest": [0, 0, 0]}]})"),
+      Json::parse(R"({"mesh": "block10.msh", "name": "stiff", "scalar": "double", "material": {"young": 1e7},
+        "attachments": [{"nearest": [0, 0, 0.4], "to": [0, 0, 0.6]}]})"),
+      Json::parse(R"({"mesh": "beam.msh", "pins": [{"box": [[0,0,0],[0,1,1]]}], "contact": {"points": "none"}})")};
+  Json together = shared;
+  for (const Json& body : bodies) together["bodies"].push_back(body);
+  const Json summary = run(together, "", "all");
+  EXPECT_EQ(summary["completed"], true);
+  ASSERT_EQ(summary["bodies"].size(), 3U);
+  EXPECT_FALSE(exists("all/final.txt") || exists("all/probes.csv") || exists("all/volume.pvd"));
+  std::vector<V> force(31, V::Zero());
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    Json alone = shared;
+    alone.update(bodies[b]);
+    alone.erase("name");
+    Json expected = run(alone, "", "alone");
+    const std::string name = b == 1 ? "stiff" : std::to_string(b), folder = "all/body_" + name + "/";
+    for (const char* file : {"final.txt", "probes.csv", "volume.pvd", "frames/volume_000001.vtu"}) {
+      EXPECT_GT(read(folder + file).size(), 10U) << folder << file;
+      EXPECT_EQ(read(folder + file), read(std::string("alone/") + file)) << folder << file;
+    }
+    EXPECT_EQ(exists(folder + "attachments.csv"), b == 1);
+    EXPECT_EQ(read(folder + "attachments.csv"), read("alone/attachments.csv"));
+    const Json& entry = summary["bodies"][b];
+    EXPECT_EQ(entry["name"], name);
+    for (const char* key : {"vertices", "body_mass", "solver", "contact", "attachments", "probes", "status"})
+      EXPECT_EQ(entry.value(key, Json()), expected.value(key, Json())) << name << ", " << key;
+    const auto rows = obstacle_rows(1, "alone");
+    for (std::size_t i = 0; i < rows.size(); ++i) force[i] += rows[i].force;
+  }
+  const auto rows = obstacle_rows(1, "all");
+  ASSERT_EQ(rows.size(), 31U);
+  double largest = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_NEAR((rows[i].force - force[i]).norm(), 0, 1e-9 * (1 + force[i].norm())) << "obstacles.csv has the sum";
+    largest = std::fmax(largest, force[i].norm());
+  }
+  EXPECT_GT(largest, 10) << "the ball touched";
+  // One body later on leaves nothing of them.
+  run(block({{"steps", 1}}), "", "all");
+  EXPECT_FALSE(exists("all/body_0/final.txt") || exists("all/body_stiff/frames/volume_000000.vtu"));
+}
+
+TEST_F(ContactRun, TwoBlocksCarryOneCrate) {
+  must("mesh block --size 0.4 0.4 0.4 --corner 0.6 0 0.01 --cells 3 3 3 -o right.msh");
+  const double mass = 20;
+  const Json summary = run(Json::parse(R"({"bodies": [{"mesh": "block.msh", "name": "left"}, {"mesh": "right.msh"}],
+    "steps": 150, "obstacles": [{"half_space": {}, "friction": 0.5}, {"box": {"half_extents": [0.4, 0.15, 0.05]}, "mass": 20,
+    "pose": {"position": [0.5, 0.2, 0.5]}, "friction": 0.5}]})"));
+  const auto crate = obstacle_rows(1), floor = obstacle_rows(0);
+  ASSERT_EQ(crate.size(), 151U);
+  V before = V::Zero();
+  for (std::size_t i = 1; i < crate.size(); ++i) {
+    const V velocity = (crate[i].place - crate[i - 1].place) / h;
+    const V imbalance = mass * (velocity - before) - h * (crate[i].force + mass * V(0, 0, -g));
+    EXPECT_NEAR(imbalance.norm(), 0, 1e-9 * mass) << "step " << i;
+    before = velocity;
+  }
+  EXPECT_NEAR(crate.back().force.z(), mass * g, 0.02 * mass * g);
+  EXPECT_NEAR(crate.back().place.x(), 0.5, 1e-3);
+  EXPECT_NEAR(before.norm(), 0, 1e-4) << "it rests";
+  double weight = mass * g, normal = -mass * g;  // the crate's counts for blocks and for the floor
+  for (const Json& body : summary["bodies"]) {
+    weight += body["body_mass"].get<double>() * g;
+    normal += body["contact"]["normal_force"].get<double>();
+    EXPECT_GT(body["contact"]["touching"], 6) << "floor and crate";
+  }
+  EXPECT_NEAR(-floor.back().force.z(), weight, 0.02 * weight);
+  EXPECT_NEAR(normal, weight, 0.02 * weight);
+}
+
 TEST_F(ContactRun, TheSceneOfTheDataFolderRuns) {
   must("run '" COROTET_SCENES "/contact.json' -o out");
   const Json summary = read_json("out/summary.json");

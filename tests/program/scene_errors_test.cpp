@@ -124,7 +124,8 @@ TEST_F(SceneErrors, OfContact) {
   const std::vector<Row> rows{
       {R"("contact": 5)", "contact: must be an object"},
       {R"("contact": {"points": "vertices"})", "contact.points: must be one of: boundary, surface, none"},
-      {R"("contact": {"points": "surface"})", "contact.points: \"surface\" takes the vertices of the scene's surface"},
+      {R"("contact": {"points": "surface"})",
+       "contact.points: \"surface\" takes the vertices under the key \"surface\", which is missing"},
       {R"("contact": {"friction": -0.1})", "contact.friction: must be >= 0, is -0.1"},
       {R"("contact": {"margin": -1})", "contact.margin: must be >= 0"},
       {R"("contact": {"passes": 0})", "contact.passes: must be >= 1"},
@@ -193,6 +194,45 @@ TEST_F(SceneErrors, OfContact) {
   write("words.txt", "up up away\n");
   write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   for (const Row& row : rows) expect_refusal(std::string(R"({"mesh": "beam.msh", )") + row.member + "}", row.error);
+}
+
+// Keys of one of several bodies are named by where they stand: while the scene is read, and when it is matched to
+// meshes.
+TEST_F(SceneErrors, OfBodies) {
+  const auto body = [](const std::string& second) {
+    return R"({"bodies": [{"mesh": "beam.msh"}, )" + second + R"(], "steps": 1})";
+  };
+  const auto with = [&](const std::string& member) { return body(R"({"mesh": "beam.msh", )" + member + "}"); };
+  expect_refusal(R"({"bodies": {}})", "bodies: must be a list");
+  expect_refusal(R"({"bodies": []})", "bodies: must hold at least one body");
+  expect_refusal(R"({"bodies": [{"mesh": "beam.msh"}], "mesh": "beam.msh"})", "mesh: unknown key; known here: gravity");
+  expect_refusal(R"({"bodies": [{"mesh": "beam.msh"}], "pins": []})", "pins: unknown key");
+  expect_refusal(body("5"), "bodies[1]: must be an object");
+  expect_refusal(body("{}"), "bodies[1].mesh: is missing; every body needs one");
+  expect_refusal(body(R"({"mesh": "nowhere.msh"})"), "bodies[1].mesh: there is no file nowhere.msh");
+  expect_refusal(with(R"("gravity": [0,0,0])"), "bodies[1].gravity: unknown key; known here: name, mesh");
+  expect_refusal(with(R"("material": {"young": 0})"), "bodies[1].material.young: must be > 0");
+  expect_refusal(with(R"("pins": [{}])"), "bodies[1].pins[0].box: is missing");
+  expect_refusal(with(R"("contact": {"points": "surface"})"), "bodies[1].contact.points: \"surface\"");
+  expect_refusal(with(R"("attachments": [{}])"), "bodies[1].attachments[0].nearest: is missing");
+  expect_refusal(with(R"("name": 5)"), "bodies[1].name: must be text");
+  expect_refusal(with(R"("name": "")"), "bodies[1].name: must be letters, digits, - and _, is \"\"");
+  expect_refusal(with(R"("name": "../x")"), "bodies[1].name: must be letters");
+  expect_refusal(with(R"("name": "0")"), "bodies[1].name: another body is called \"0\"");
+  // Found in the mesh, or in float.
+  expect_refusal(with(R"("pins": [{"box": [[5,5,5],[6,6,6]]}])"), "bodies[1].pins[0].box: no vertex lies in it");
+  expect_refusal(with(R"("material": {"young": 1e300})"), "bodies[1].material.young: 1e+300 is too large for float");
+  expect_refusal(R"({"bodies": [{"mesh": "beam.msh"}], "gravity": [0, 0, 1e300]})", " gravity: 1e+300 is too large");
+  write("bad.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 2\n");
+  expect_refusal(body(R"({"mesh": "bad.msh"})"), "bodies[1].mesh: bad.msh:");
+
+  write("scene.json", R"({"bodies": [{"mesh": "beam.msh"}]})");
+  for (const char* command : {"report scene.json -o out", "tune scene.json --error 0.1 -o out.json"}) {
+    const Outcome outcome = corotet(command);
+    EXPECT_EQ(outcome.exit_code, 1) << command;
+    EXPECT_NE(outcome.err.find("scene.json: bodies: only `corotet run` takes several"), std::string::npos)
+        << outcome.err;
+  }
 }
 
 TEST_F(SceneErrors, OfTheMeshItself) {
