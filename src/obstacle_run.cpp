@@ -17,21 +17,43 @@ namespace corotet::program {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+/// Whether the moments of inertia of this mass, kg, are positive numbers in double.
+template <class Shape>
+bool has_moments(const Shape& shape, double mass) {
+  if constexpr (requires { shape.inertia(); }) {
+    const Vec3<double> moments = mass * shape.inertia();
+    return moments.allFinite() && moments.minCoeff() > 0;
+  } else {
+    return false;
+  }
+}
+
+}  // namespace
+
 ObstacleRun::ObstacleRun(const Scene& scene) : entries_(scene.obstacles), meshes_(entries_.size()) {
   Problems problems(scene.file.string());
   obstacles_.gravity = scene.gravity;
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     ObstacleOptions options = entries_[i].options;
     options.pose.position += displacement_at(entries_[i].path, 0);
+    const auto add = [&](const auto& shape) {
+      if (options.mass > 0 && !has_moments(shape, options.mass))
+        problems.add(fmt::format("obstacles[{}].mass", i),
+                     "the moments of inertia of so much in this shape are 0 or infinite: it cannot move freely");
+      else
+        obstacles_.add(shape, options);
+    };
     std::visit(
         [&](const auto& shape) {
           if constexpr (std::is_same_v<std::decay_t<decltype(shape)>, fs::path>) {
             meshes_[i] = read_mesh_shape(i, problems);
             if (!meshes_[i]) return;
             options.pose = meshes_[i]->collider.obstacle_pose(options.pose);
-            obstacles_.add(meshes_[i]->collider, options);
+            add(meshes_[i]->collider);
           } else {
-            obstacles_.add(shape, options);
+            add(shape);
           }
         },
         entries_[i].shape);
