@@ -250,9 +250,9 @@ class MeanDilatation {
     for (Index i = 0; i < count; ++i) g[at(i)].store(state.mean_gradient(at(first + i)));
   }
 
-  struct NoFields {};
+  struct NoPatches {};
   template <class T>
-  using OfPatches = std::conditional_t<over_patches, T, NoFields>;
+  using OfPatches = std::conditional_t<over_patches, T, NoPatches>;
 
   bool on_ = false;
   Buffer<L> ratio_;  // m / mu, one a batch
