@@ -11,7 +11,6 @@
 #include <corotet/detail/element/reference_element.hpp>
 #include <corotet/detail/mesh/boundary.hpp>
 #include <corotet/detail/mesh/tet_mesh.hpp>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -99,9 +98,7 @@ class PatchGrower {
     uses.reserve(4 * nodes_.size());
     for (std::size_t e = 0; e < nodes_.size(); ++e)
       for (int f = 0; f < 4; ++f) uses.push_back(face_use(nodes_[e].data(), 0, static_cast<Index>(e), f));
-    std::sort(uses.begin(), uses.end(), [](const FaceUse& p, const FaceUse& q) {
-      return std::tie(p.corners, p.element) < std::tie(q.corners, q.element);
-    });
+    sort_faces(uses);
     for (std::size_t k = 0; k + 1 < uses.size(); ++k) {
       if (uses[k].corners != uses[k + 1].corners) continue;
       neighbours_[at(uses[k].element)][at(uses[k].face)].element = uses[k + 1].element;

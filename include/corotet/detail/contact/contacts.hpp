@@ -15,6 +15,7 @@
 #include <corotet/detail/contact/term_rest.hpp>
 #include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/exactly.hpp>
+#include <corotet/detail/core/span_of.hpp>
 #include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/terms/piecewise_term.hpp>
@@ -49,7 +50,7 @@ class Contacts final : public PiecewiseTerm<Scalar>, private MatrixFreeTerm<Scal
   [[nodiscard]] const ContactPoints& points() const { return set_.points(); }  ///< of the body, that may touch
   [[nodiscard]] const ContactReport& report() const { return report_; }        ///< of the last step
   /// Those with a force, by pieces of the body, then by obstacles, then by points.
-  [[nodiscard]] std::span<const Touch> touches() const { return touches_; }
+  [[nodiscard]] std::span<const Touch> touches() const { return detail::span_of(touches_); }
 
   /// Forgets the forces of earlier steps: after the body was set elsewhere.
   void reset() {

@@ -33,7 +33,7 @@ class RawBuffer {
     std::swap(size_, other.size_);
     return *this;
   }
-  ~RawBuffer() {
+  COROTET_NOINLINE ~RawBuffer() {
     if (data_ != nullptr) ::operator delete(data_, std::align_val_t{alignment});
   }
 

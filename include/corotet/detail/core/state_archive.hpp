@@ -125,10 +125,10 @@ class StateArchive {
     auto* const object = static_cast<std::byte*>(data);
     if (mode_ == Mode::write && bytes <= out_.size() - place_) {
       copy(out_.data() + place_, object, size, count);
-      add_to_hash(out_.subspan(place_, bytes));
+      add_to_hash(out_.data() + place_, bytes);
     } else if ((mode_ == Mode::read || mode_ == Mode::compare) && ok_ && bytes <= in_.size() - place_) {
       if (mode_ == Mode::read || always) copy(object, in_.data() + place_, size, count);
-      add_to_hash(in_.subspan(place_, bytes));
+      add_to_hash(in_.data() + place_, bytes);
     } else if (mode_ != Mode::measure) {
       ok_ = false;
       return;
@@ -142,7 +142,7 @@ class StateArchive {
       return;
     }
     const std::size_t bytes = as_size(count) * size;
-    add_to_hash(in_.subspan(place_, bytes));
+    add_to_hash(in_.data() + place_, bytes);
     place_ += bytes;
   }
 
@@ -156,8 +156,8 @@ class StateArchive {
     }
   }
 
-  void add_to_hash(std::span<const std::byte> bytes) {
-    for (const std::byte b : bytes) hash_ = (hash_ ^ static_cast<std::uint64_t>(b)) * 1099511628211u;
+  void add_to_hash(const std::byte* bytes, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) hash_ = (hash_ ^ static_cast<std::uint64_t>(bytes[i])) * 1099511628211u;
   }
 
   Mode mode_ = Mode::measure;

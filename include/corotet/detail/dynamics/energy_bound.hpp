@@ -34,7 +34,7 @@ class EnergyBound {
 
   /// W at a displacement, J.
   [[nodiscard]] double elastic(const Body& body, const Field<Scalar>& displacement, ExecutorRef executor) {
-    return body.elastic_energy(displacement, scratch_, executor);
+    return body.elastic_energy(displacement, {scratch_.data(), scratch_.size()}, executor);
   }
 
   /// Before a step. `evaluated`: what the equation has evaluated last is the body's present displacement. `terms`: the

@@ -35,7 +35,7 @@ class PieceIntegrator {
   [[nodiscard]] const Solver& solver() const { return solver_.solver(); }
   [[nodiscard]] double unbalanced_force2(const Body& body) const { return solver_.unbalanced_force2(body); }
 
-  StepReport step(Body& body, Scalar h, const StepContext<Scalar>& context) {
+  COROTET_COLD StepReport step(Body& body, Scalar h, const StepContext<Scalar>& context) {
     StepReport report = solver_.validate(body, h);
     if (!report.accepted()) return report;
     const bool first_order = solver_.begin(body, h, context);
@@ -161,7 +161,7 @@ class Integrator {
  private:
   static constexpr Index min_at_once = 4;  // fewer: threads share the work within each
 
-  [[nodiscard]] StepReport join(Body& body) {
+  [[nodiscard]] COROTET_COLD StepReport join(Body& body) {
     StepReport all = reports_.front();
     for (std::size_t p = 1; p < reports_.size(); ++p) all = detail::worse_of(all, reports_[p]);
     for (std::size_t p = 0; p < reports_.size(); ++p)

@@ -11,6 +11,7 @@
 #include <corotet/detail/core/executor.hpp>
 #include <corotet/detail/core/memory_use.hpp>
 #include <corotet/detail/core/revision.hpp>
+#include <corotet/detail/core/span_of.hpp>
 #include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/state_archive.hpp>
 #include <corotet/detail/core/types.hpp>
@@ -21,7 +22,6 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <span>
 
 namespace corotet::inline v0_1::detail {
 
@@ -73,13 +73,13 @@ class LinearizedStep {
 
   /// A state of the body for its terms: see TermState.
   [[nodiscard]] TermState<Scalar> state(const Body& body, const TimeStep<Scalar>& step,
-                                        std::span<const Vec3<Scalar>> displacement,
-                                        std::span<const Vec3<Scalar>> velocity, ExecutorRef executor) const {
+                                        const Field<Scalar>& displacement, const Field<Scalar>& velocity,
+                                        ExecutorRef executor) const {
     TermState<Scalar> state;
-    state.rest = body.mesh().positions();
+    state.rest = span_of(body.mesh().positions());
     state.origin = body.origin();
-    state.displacement = displacement;
-    state.velocities = velocity;
+    state.displacement = span_of(displacement);
+    state.velocities = span_of(velocity);
     state.mass = &body.mass();
     state.h = step.h;
     state.gamma = step.gamma;
@@ -108,7 +108,7 @@ class LinearizedStep {
 
   /// matrix = A at the evaluated state, without the terms that the caller gave. `first`: of this step. `often`: whether
   /// the equation is linearised at other velocities than v_k = 0.
-  void assemble_matrix(const Body& body, Scalar gamma, bool first, bool often, ExecutorRef executor) {
+  COROTET_COLD void assemble_matrix(const Body& body, Scalar gamma, bool first, bool often, ExecutorRef executor) {
     const Scalar mass = mass_factor(gamma), viscosity = damping_factor(gamma);
     if (first && often && viscosity > 0) {
       if (!damping_) damping_.emplace(body.pattern());
@@ -173,8 +173,8 @@ class LinearizedStep {
   /// (1 + gamma a) M (v + d) = M v_history + impulses of the terms, implicit ones as they are after the translation
   /// (Galerkin projection onto translations). Neither what the solver has left nor rounding of elastic
   /// forces is in that.
-  void project_linear_momentum(const Body& body, const TimeStep<Scalar>& step, const Field<Scalar>& v, Field<Scalar>& d,
-                               ExecutorRef executor) {
+  COROTET_COLD void project_linear_momentum(const Body& body, const TimeStep<Scalar>& step, const Field<Scalar>& v,
+                                            Field<Scalar>& d, ExecutorRef executor) {
     const double mass = double(mass_factor(step.gamma));
     const auto lacking = momentum_(executor, [&](Index begin, Index end) {
       Vec3<double> sum = Vec3<double>::Zero();

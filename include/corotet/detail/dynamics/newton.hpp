@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <concepts>
+#include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/exactly.hpp>
 #include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/dynamics/line_search.hpp>
@@ -43,7 +44,8 @@ struct NewtonResult {
 /// from the last correction and the gradient before and after it (Deuflhard 2011, section 2.1). With max_iterations = 1
 /// the correction is taken as it is. `searches`: whether the energy decides how far to go, from the second on.
 template <NewtonProblem Problem>
-[[nodiscard]] NewtonResult newton_solve(Problem& problem, int max_iterations, double tolerance, bool searches) {
+[[nodiscard]] COROTET_COLD NewtonResult newton_solve(Problem& problem, int max_iterations, double tolerance,
+                                                     bool searches) {
   NewtonResult result;
   const bool iterates = max_iterations > 1;
   double first_size = 0, last_decrement2 = 0;

@@ -7,6 +7,7 @@
 #include <corotet/detail/core/index_list.hpp>
 #include <corotet/detail/core/memory_use.hpp>
 #include <corotet/detail/core/revision.hpp>
+#include <corotet/detail/core/span_of.hpp>
 #include <corotet/detail/core/state_archive.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/material/material.hpp>
@@ -37,13 +38,13 @@ class Pieces {
   [[nodiscard]] Index count() const { return static_cast<Index>(pieces_.size()); }
   [[nodiscard]] Body& body(Index piece) { return pieces_[at(piece)].body; }
   [[nodiscard]] const Body& body(Index piece) const { return pieces_[at(piece)].body; }
-  [[nodiscard]] PieceVertices vertices(Index piece) const { return {piece_of_, local_, piece}; }
+  [[nodiscard]] PieceVertices vertices(Index piece) const { return {span_of(piece_of_), span_of(local_), piece}; }
 
   /// The whole body's vertex of one of a piece.
   [[nodiscard]] Index whole_vertex(Index piece, Index vertex) const { return pieces_[at(piece)].vertex[at(vertex)]; }
 
   /// Before a step: what the pieces are to know of the body.
-  void take_from(const Body& body) {
+  COROTET_COLD void take_from(const Body& body) {
     if (materials_ != body.material_revision()) take_materials(body);
     if (shift_ != body.origin_shift()) take_shift(body);
     if (motion_ != body.motion_revision()) take_motion(body);

@@ -12,6 +12,7 @@
 #include <corotet/detail/core/message.hpp>
 #include <corotet/detail/core/result.hpp>
 #include <corotet/detail/core/revision.hpp>
+#include <corotet/detail/core/span_of.hpp>
 #include <corotet/detail/core/state_archive.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/dynamics/body_model.hpp>
@@ -152,7 +153,7 @@ class SoftBody : private PointStates<Scalar, detail::ElasticModelOf<LawType>> {
     return nodal_force_.force;
   }
   /// Forces on vertices, N, one a vertex.
-  [[nodiscard]] std::span<const Vec3<Scalar>> external_forces() const { return nodal_force_.force; }
+  [[nodiscard]] std::span<const Vec3<Scalar>> external_forces() const { return detail::span_of(nodal_force_.force); }
 
   /// How often the caller may have written to them.
   [[nodiscard]] std::uint64_t force_accesses() const { return force_accesses_; }
@@ -196,7 +197,7 @@ class SoftBody : private PointStates<Scalar, detail::ElasticModelOf<LawType>> {
   void swap_state(Field<Scalar>& displacement, Field<Scalar>& velocity);
 
   /// For integrators: takes the state of these vertices of another body, one a vertex of this.
-  void take_state(const SoftBody& whole, std::span<const Index> vertices);
+  void take_state(const SoftBody& whole, const std::vector<Index>& vertices);
 
  private:
   [[nodiscard]] COROTET_COLD Result<void> check_field(const char* name, std::span<const Vec3<Scalar>> field) const;
@@ -332,7 +333,7 @@ void SoftBody<Scalar, Element, LawType>::swap_state(Field<Scalar>& displacement,
 }
 
 template <std::floating_point Scalar, ReferenceElement Element, ElasticLaw LawType>
-void SoftBody<Scalar, Element, LawType>::take_state(const SoftBody& whole, std::span<const Index> vertices) {
+void SoftBody<Scalar, Element, LawType>::take_state(const SoftBody& whole, const std::vector<Index>& vertices) {
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     displacement_[i] = whole.displacement_[at(vertices[i])];
     velocity_[i] = whole.velocity_[at(vertices[i])];

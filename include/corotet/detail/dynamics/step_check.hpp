@@ -21,7 +21,8 @@ namespace corotet::inline v0_1::detail {
 /// Names what the caller gave that keeps a step of `h` seconds from being tried: h, options, or a force, gravity or pin
 /// that is not finite. Accepted if nothing does.
 template <class Body>
-[[nodiscard]] StepReport check_step(const Body& body, typename Body::scalar_type h, const StepOptions& options) {
+[[nodiscard]] COROTET_COLD StepReport check_step(const Body& body, typename Body::scalar_type h,
+                                                 const StepOptions& options) {
   if (!std::isfinite(h) || h <= 0) return refused({}, StepError::time_step);
   if (options.iterations < 1 || !is_tolerance(options.tolerance)) return refused({}, StepError::newton_options);
   if (!body.gravity().allFinite()) return refused({}, StepError::gravity);

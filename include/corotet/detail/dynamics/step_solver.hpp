@@ -10,6 +10,7 @@
 #include <corotet/detail/core/exactly.hpp>
 #include <corotet/detail/core/executor.hpp>
 #include <corotet/detail/core/memory_use.hpp>
+#include <corotet/detail/core/span_of.hpp>
 #include <corotet/detail/core/state_archive.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/dynamics/energy_bound.hpp>
@@ -70,7 +71,7 @@ class StepSolver {
   }
 
   /// Moves the body as `step` says; a refused step leaves it untouched. The step's fields may be the body's.
-  StepReport advance(Body& body, const TimeStep<Scalar>& step, const StepContext<Scalar>& context) {
+  COROTET_COLD StepReport advance(Body& body, const TimeStep<Scalar>& step, const StepContext<Scalar>& context) {
     const StepReport report = advance_bounded(body, step, context);
     if (report.accepted()) equation_.commit(body);
     if (!context.terms.empty() && report.accepted()) end_terms(body, step, context);
@@ -126,7 +127,8 @@ class StepSolver {
   }
 
   /// A step, again where it has gained energy: by Newton's method, one of second order by backward Euler.
-  StepReport advance_bounded(Body& body, const TimeStep<Scalar>& step, const StepContext<Scalar>& context) {
+  COROTET_COLD StepReport advance_bounded(Body& body, const TimeStep<Scalar>& step,
+                                          const StepContext<Scalar>& context) {
     const StepReport report = solve_step(body, step, options_.iterations, context);
     if (!bounds_energy(options_.iterations) || !report.accepted() ||
         !energy_bound_.exceeds(body, step, displacement_, velocity_, equation_, context.executor))
@@ -147,8 +149,8 @@ class StepSolver {
 
   /// One step of at most `max_iterations` linear solves: Müller & Gross 2004, section 3.4, with what keeps a free
   /// body's momenta.
-  StepReport solve_step(Body& body, const TimeStep<Scalar>& wanted, int max_iterations,
-                        const StepContext<Scalar>& context) {
+  COROTET_COLD StepReport solve_step(Body& body, const TimeStep<Scalar>& wanted, int max_iterations,
+                                     const StepContext<Scalar>& context) {
     const ExecutorRef executor = context.executor;
     context.observer(StepPhase::assembly);
     const bool free = options_.keeps_angular_momentum && body.pins().vertices().empty();
@@ -162,8 +164,8 @@ class StepSolver {
     return solve_in_frame(body, turns ? in_frame : step, free, max_iterations, context);
   }
 
-  StepReport solve_in_frame(Body& body, const TimeStep<Scalar>& step, bool free, int max_iterations,
-                            const StepContext<Scalar>& context) {
+  COROTET_COLD StepReport solve_in_frame(Body& body, const TimeStep<Scalar>& step, bool free, int max_iterations,
+                                         const StepContext<Scalar>& context) {
     const ExecutorRef executor = context.executor;
     StepReport report;
     Problem problem{*this, body, step, context, report, max_iterations > 1};
@@ -228,7 +230,7 @@ class StepSolver {
 
     /// Evaluates where the force is linearised first. velocity_: a guess, from which the first solve finds the change:
     /// v_history with the pins' velocities put in, or where the force is linearised ahead, that state's.
-    void predict() {
+    COROTET_COLD void predict() {
       at_rest = step.is_first_order();
       if (at_rest) {
         for_ranges(context.executor, body.vertex_count(), DeterministicSum::grain, [&](Index begin, Index end) {
@@ -368,7 +370,7 @@ class StepSolver {
       return {s.equation_.matrix(),
               s.equation_.right_side(),
               body.displacements(),
-              body.pins().vertices(),
+              span_of(body.pins().vertices()),
               s.equation_.lag_key(),
               coupling,
               looseness};
@@ -391,7 +393,7 @@ class StepSolver {
 
     /// Puts the pins' velocities into velocity_, if they are not there. A pin that jumps so pulls at the body as in
     /// linear elasticity, and where the force is linearised nothing is torn.
-    void build_first_right_side() {
+    COROTET_COLD void build_first_right_side() {
       if (at_rest) return s.equation_.linearize_at_rest(body, step, s.velocity_, context.executor);
       s.equation_.linearize_here(body, step, s.velocity_, context.executor);
       body.pins().for_each_component([&](std::size_t p, Index v, int i) {
@@ -470,7 +472,7 @@ class StepSolver {
   /// The velocities with which pinned vertices would leave. A scheme of second order finds them by extrapolation from
   /// the last step, which means something only where a path is smooth: where a pin has just started or stopped, its
   /// mean velocity in the step.
-  void limit_pin_velocities(const Body& body, const TimeStep<Scalar>& step) {
+  COROTET_COLD void limit_pin_velocities(const Body& body, const TimeStep<Scalar>& step) {
     const auto& pins = body.pins();
     for (std::size_t p = 0; p < pins.vertices().size(); ++p) {
       const std::size_t v = at(pins.vertices()[p]);

@@ -21,7 +21,7 @@ template <std::floating_point Scalar>
 class TermSum {
  public:
   TermSum() = default;
-  explicit TermSum(Index vertices) { working_.force.assign(at(vertices), Vec3<Scalar>::Zero()); }
+  explicit TermSum(Index vertices) { working_.force = Field<Scalar>(at(vertices), Vec3<Scalar>::Zero()); }
 
   /// The terms of the step that begins. `own` lives as long as the step.
   void begin(const std::array<StepTerm<Scalar>*, 3>& own, const Terms<Scalar>& given, const PieceVertices& piece) {

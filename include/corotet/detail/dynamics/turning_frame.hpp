@@ -17,7 +17,6 @@
 #include <corotet/detail/solve/small_cholesky.hpp>
 #include <corotet/detail/terms/term_state.hpp>
 #include <limits>
-#include <span>
 
 namespace corotet::inline v0_1::detail {
 
@@ -86,8 +85,9 @@ class TurningFrame {
   /// x' = x_history + gamma v'. Implicit terms add the moments of their impulses, and resist the correction; the body
   /// is then where they saw it, and its velocities alone are corrected. `linearized`: the state of these terms. False
   /// if a number is not finite.
-  [[nodiscard]] bool leave(const Body& body, Scalar gamma, TermSum<Scalar>& terms, const TermState<Scalar>& linearized,
-                           Field<Scalar>& displacement, Field<Scalar>& velocity, ExecutorRef executor) {
+  [[nodiscard]] COROTET_COLD bool leave(const Body& body, Scalar gamma, TermSum<Scalar>& terms,
+                                        const TermState<Scalar>& linearized, Field<Scalar>& displacement,
+                                        Field<Scalar>& velocity, ExecutorRef executor) {
     const bool implicit = terms.is_implicit();
     Matrix<double, 3, 8> sums = sums_after(body, gamma, terms, displacement, velocity, executor);
     if (implicit && share_correction(body, double(gamma), sums, terms, linearized, displacement, velocity)) {
@@ -149,8 +149,8 @@ class TurningFrame {
   }
 
   [[nodiscard]] COROTET_COLD Departure departure(const Body& body, Scalar gamma, const Matrix<double, 3, 8>& sum,
-                                                 bool implicit, std::span<const Vec3<Scalar>> displacement,
-                                                 std::span<const Vec3<Scalar>> velocity) {
+                                                 bool implicit, const Field<Scalar>& displacement,
+                                                 const Field<Scalar>& velocity) {
     const Motion solved = motion(body, sum);
     const Mat3<double> turn = rotation_by(turn_);
     if (implicit) goal_ = goal_ + turn * (sum.col(7) - solved.centre.cross(sum.col(6)));
@@ -256,18 +256,18 @@ class TurningFrame {
     return both;
   }
 
-  [[nodiscard]] static auto relative(std::span<const Vec3<Scalar>> field) {
+  [[nodiscard]] static auto relative(const Field<Scalar>& field) {
     return
-        [field, first = field[0]](Index i) -> Vec3<double> { return (field[at(i)] - first).template cast<double>(); };
+        [&field, first = field[0]](Index i) -> Vec3<double> { return (field[at(i)] - first).template cast<double>(); };
   }
-  [[nodiscard]] static auto placed(const Body& body, std::span<const Vec3<Scalar>> displacement) {
+  [[nodiscard]] static auto placed(const Body& body, const Field<Scalar>& displacement) {
     return [&rest = body.mesh().positions(), moved = relative(displacement)](Index i) -> Vec3<double> {
       return (rest[at(i)] - rest[0]).template cast<double>() + moved(i);
     };
   }
 
   /// Where the first vertex is, m.
-  [[nodiscard]] static Vec3<double> origin(const Body& body, std::span<const Vec3<Scalar>> displacement) {
+  [[nodiscard]] static Vec3<double> origin(const Body& body, const Field<Scalar>& displacement) {
     return body.mesh().position(0).template cast<double>() + displacement[0].template cast<double>();
   }
 

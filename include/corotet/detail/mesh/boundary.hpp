@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <concepts>
+#include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/result.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/element/reference_element.hpp>
@@ -11,9 +12,9 @@
 #include <corotet/detail/mesh/mesh_data.hpp>
 #include <corotet/detail/mesh/surface_mesh.hpp>
 #include <corotet/detail/mesh/tet_mesh.hpp>
+#include <cstdint>
 #include <limits>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -43,7 +44,19 @@ struct FaceUse {
   Index element;
   std::int8_t face;
   std::int8_t turn;  // +1: `corners` run counter-clockwise seen from outside the element, -1: clockwise, 0: unknown
+
+  /// In the order of the corners, then of elements and faces.
+  [[nodiscard]] bool precedes(const FaceUse& other) const {
+    for (std::size_t i = 0; i < 3; ++i)
+      if (corners[i] != other.corners[i]) return corners[i] < other.corners[i];
+    return element != other.element ? element < other.element : face < other.face;
+  }
 };
+
+/// Puts faces with the same corners side by side: O(n log n).
+COROTET_COLD inline void sort_faces(std::vector<FaceUse>& uses) {
+  std::sort(uses.begin(), uses.end(), [](const FaceUse& p, const FaceUse& q) { return p.precedes(q); });
+}
 
 inline FaceUse face_use(const Index* nodes, int orientation, Index element, int face) {
   const std::array<std::size_t, 3>& local = tet_faces[at(face)];
@@ -101,11 +114,9 @@ Result<BoundarySurface> extract_boundary(Index element_count, int nodes_per_elem
   uses.reserve(at(element_count) * 4);
   for (Index e = 0; e < element_count; ++e)
     for (int f = 0; f < 4; ++f) uses.push_back(face_use(nodes(e), orientation(e), e, f));
-  std::sort(uses.begin(), uses.end(), [](const FaceUse& p, const FaceUse& q) {
-    return std::tie(p.corners, p.element, p.face) < std::tie(q.corners, q.element, q.face);
-  });
+  sort_faces(uses);
 
-  std::vector<FaceUse> outer;
+  std::vector<std::uint8_t> is_outer(uses.size(), 0);  // face f of element e: at 4 e + f
   for (std::size_t begin = 0, end = 0; begin < uses.size(); begin = end) {
     while (end < uses.size() && uses[end].corners == uses[begin].corners) ++end;
     const FaceUse& first = uses[begin];
@@ -115,15 +126,13 @@ Result<BoundarySurface> extract_boundary(Index element_count, int nodes_per_elem
     if (end - begin == 2 && first.turn * uses[begin + 1].turn > 0)
       return face_error(first, "also belongs to element " + std::to_string(uses[begin + 1].element) +
                                    ", which lies on the same side of it: they overlap");
-    if (end - begin == 1) outer.push_back(first);
+    if (end - begin == 1) is_outer[4 * at(first.element) + at(first.face)] = 1;
   }
-  std::sort(outer.begin(), outer.end(), [](const FaceUse& p, const FaceUse& q) {
-    return std::tie(p.element, p.face) < std::tie(q.element, q.face);
-  });
 
   BoundarySurface surface;
-  for (const FaceUse& use : outer)
-    add_face(surface, nodes(use.element), nodes_per_element, use.element, use.face, orientation(use.element) < 0);
+  for (Index e = 0; e < element_count; ++e)
+    for (int f = 0; f < 4; ++f)
+      if (is_outer[4 * at(e) + at(f)] != 0) add_face(surface, nodes(e), nodes_per_element, e, f, orientation(e) < 0);
   return surface;
 }
 

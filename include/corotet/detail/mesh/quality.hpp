@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <corotet/detail/core/result.hpp>
+#include <corotet/detail/core/span_of.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/mesh/check_connectivity.hpp>
 #include <corotet/detail/mesh/element_quality.hpp>
@@ -97,7 +98,8 @@ ElementQuality measure_nodes(const std::vector<Vec3<Scalar>>& positions, const I
 /// Errors: invalid_argument (nodes_per_element), index_out_of_range, non_finite_value.
 [[nodiscard]] inline Result<MeshQuality> measure_quality(const MeshData& mesh) {
   if (Result<void> status = detail::check_connectivity(mesh); !status) return status.error();
-  if (Result<void> status = detail::check_positions(mesh.positions, "vertex"); !status) return status.error();
+  if (Result<void> status = detail::check_positions(detail::span_of(mesh.positions), "vertex"); !status)
+    return status.error();
   std::vector<ElementQuality> elements;
   elements.reserve(at(mesh.element_count()));
   for (Index e = 0; e < mesh.element_count(); ++e) {

@@ -8,6 +8,7 @@
 #include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/exactly.hpp>
 #include <corotet/detail/core/result.hpp>
+#include <corotet/detail/core/span_of.hpp>
 #include <corotet/detail/core/square_root.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/mesh/box.hpp>
@@ -47,7 +48,8 @@ class SignedDistance {
   [[nodiscard]] COROTET_COLD static Result<SignedDistance> create(const SurfaceMesh& surface,
                                                                   const SignedDistanceOptions& options = {}) {
     if (surface.triangles.empty()) return Error{ErrorCode::empty_mesh, "surface", "it has no triangles"};
-    if (Result<void> status = check_positions(surface.positions, "surface vertex"); !status) return status.error();
+    if (Result<void> status = check_positions(span_of(surface.positions), "surface vertex"); !status)
+      return status.error();
     if (Result<void> status = check_triangles(surface); !status) return status.error();
     SignedDistance out;
     out.surface_.positions = surface.positions;

@@ -14,7 +14,6 @@
 #include <corotet/detail/mesh/mesh_data.hpp>
 #include <cstddef>
 #include <limits>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -85,32 +84,34 @@ void turn_round(std::array<Index, Element::nodes>& nodes) {
   for (std::size_t a = 0; a < nodes.size(); ++a) nodes[a] = before[Element::mirrored[a]];
 }
 
+/// Positive Jacobian at one quadrature point of element `e`, whose nodes lie at `x`. Rounding moves each node by
+/// `epsilon` times its distance from the origin, `largest` at most, and with it the determinant.
+template <ReferenceElement Element>
+COROTET_COLD Result<void> check_jacobian(const std::array<Vec3<double>, std::size_t{Element::nodes}>& x,
+                                         const QuadraturePoint& point, Index e, double epsilon, double largest) {
+  const Mat3<double> to_space = jacobian(Element::gradient(point.xi), x);
+  const double det = to_space.determinant();
+  const double size = (std::max)({to_space.col(0).norm(), to_space.col(1).norm(), to_space.col(2).norm()});
+  const double rounding = 4 * epsilon * size * size * (std::max)(size, largest);
+  if (det > rounding && std::isfinite(det)) return {};
+  if (!has_constant_gradients<Element> && signed_volume<Element>(x) * 6 > rounding)
+    return error(ErrorCode::degenerate_element, {"element ", e},
+                 {"its edges are curved so far that it folds over itself"});
+  return error(ErrorCode::degenerate_element, {"element ", e}, {"its volume is zero to rounding (", det / 6, " m^3)"});
+}
+
 /// Positive Jacobian at each quadrature point of element `e`, whose nodes lie at `x`, measured against rounding in
 /// positions of precision `epsilon`.
 template <ReferenceElement Element>
 COROTET_COLD Result<void> check_volume(const std::array<Vec3<double>, std::size_t{Element::nodes}>& x, Index e,
                                        double epsilon) {
-  // Rounding moves each vertex by epsilon times its distance from the origin, and with it the determinant.
   double largest = 0;
   for (const Vec3<double>& node : x) largest = (std::max)(largest, node.cwiseAbs().maxCoeff());
-  const auto check_points = [&](std::span<const QuadraturePoint> points) -> Result<void> {
-    for (const QuadraturePoint& point : points) {
-      const Mat3<double> to_space = jacobian(Element::gradient(point.xi), x);
-      const double det = to_space.determinant();
-      const double size = (std::max)({to_space.col(0).norm(), to_space.col(1).norm(), to_space.col(2).norm()});
-      const double rounding = 4 * epsilon * size * size * (std::max)(size, largest);
-      if (!(det > rounding) || !std::isfinite(det)) {
-        if (!has_constant_gradients<Element> && signed_volume<Element>(x) * 6 > rounding)
-          return error(ErrorCode::degenerate_element, {"element ", e},
-                       {"its edges are curved so far that it folds over itself"});
-        return error(ErrorCode::degenerate_element, {"element ", e},
-                     {"its volume is zero to rounding (", det / 6, " m^3)"});
-      }
-    }
-    return {};
-  };
-  if (Result<void> status = check_points(Element::stiffness_points); !status) return status;
-  if constexpr (!has_constant_gradients<Element>) return check_points(Element::mass_points);
+  for (const QuadraturePoint& point : Element::stiffness_points)
+    if (Result<void> status = check_jacobian<Element>(x, point, e, epsilon, largest); !status) return status;
+  if constexpr (!has_constant_gradients<Element>)
+    for (const QuadraturePoint& point : Element::mass_points)
+      if (Result<void> status = check_jacobian<Element>(x, point, e, epsilon, largest); !status) return status;
   return {};
 }
 

@@ -40,7 +40,7 @@ struct AggregateHierarchy {
       return;
     }
     coarse = Aggregates::of_positions(fine_center, std::clamp<Index>(coarse_count, 1, fine.count()));
-    coarse_center.assign(at(coarse.count()), Vec3<Scalar>::Zero());
+    coarse_center = Field<Scalar>(at(coarse.count()), Vec3<Scalar>::Zero());
     for (Index c = 0; c < coarse.count(); ++c) coarse_center[at(c)] = mean_of_fine(c, fine_center);
   }
 

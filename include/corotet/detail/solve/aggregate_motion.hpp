@@ -45,7 +45,7 @@ struct AggregateMotion {
   }
 
   /// Sets centres, rotations and offsets to those of a displacement.
-  void place(const Hierarchy& h, const Field<Scalar>& displacement, ExecutorRef executor) {
+  COROTET_COLD void place(const Hierarchy& h, const Field<Scalar>& displacement, ExecutorRef executor) {
     h.for_fine(executor, [&](Index a) {
       Vec3<Scalar> mean = Vec3<Scalar>::Zero();
       for (const Index v : h.vertices_of(a)) mean += displacement[at(v)];

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <corotet/detail/core/compiler.hpp>
 #include <corotet/detail/core/exactly.hpp>
+#include <corotet/detail/core/index_list.hpp>
 #include <corotet/detail/core/memory_use.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <cstddef>
@@ -24,7 +25,7 @@ struct Aggregates {
   [[nodiscard]] std::size_t bytes() const { return bytes_of(start) + bytes_of(member) + bytes_of(aggregate_of); }
 
   [[nodiscard]] std::span<const Index> members(Index a) const {
-    return std::span(member).subspan(at(start[at(a)]), at(start[at(a + 1)] - start[at(a)]));
+    return {member.data() + start[at(a)], at(start[at(a + 1)] - start[at(a)])};
   }
 
   /// Halves the box across its longest side until there are `count` aggregates, 1 <= count <= position.size().
@@ -45,7 +46,7 @@ struct Aggregates {
   COROTET_COLD void divide(const Field<Scalar>& position, Index begin, Index end, Index count) {
     const auto first = member.begin() + begin, last = member.begin() + end;
     if (count <= 1) {
-      std::sort(first, last);
+      sort(member.data() + begin, at(end - begin));
       for (auto m = first; m != last; ++m) aggregate_of[at(*m)] = size_of(start) - 1;
       start.push_back(end);
       return;
@@ -57,12 +58,11 @@ struct Aggregates {
     }
     const int axis = (high - low).index_of_max();
     const Index half = count / 2;
-    const auto middle = first + static_cast<Index>(std::int64_t{end - begin} * half / count);
-    std::nth_element(first, middle, last, [&](Index a, Index b) {
+    const Index split = begin + static_cast<Index>(std::int64_t{end - begin} * half / count);
+    put_in_front(member.data() + begin, end - begin, split - begin, [&](Index a, Index b) {
       const Scalar xa = position[at(a)][axis], xb = position[at(b)][axis];
       return exactly_equal(xa, xb) ? a < b : xa < xb;  // a strict order, the same everywhere
     });
-    const auto split = static_cast<Index>(middle - member.begin());
     divide(position, begin, split, half);
     divide(position, split, end, count - half);
   }

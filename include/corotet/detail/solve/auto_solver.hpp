@@ -97,7 +97,7 @@ class AutoSolver {
 
   /// Solves to `options().tolerance`: an error in the energy norm as Pcg knows it, or a Euclidean residual (Cholesky,
   /// refined where one substitution is not enough).
-  SolveReport solve(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor);
+  COROTET_COLD SolveReport solve(const StepSystem<Scalar>& system, Field<Scalar>& x, ExecutorRef executor);
 
   /// The preconditioner in use, for the matrix as it is now; empty if there is none.
   [[nodiscard]] COROTET_COLD std::optional<detail::PreparedPreconditioner<Scalar>> prepare(

@@ -80,7 +80,7 @@ class RigidAggregates {
   [[nodiscard]] Sizes sizes() const { return {hierarchy().fine.count(), hierarchy().coarse_count()}; }
 
   /// See Preconditioner.
-  void update(const StepSystem<Scalar>& system, ExecutorRef executor) {
+  COROTET_COLD void update(const StepSystem<Scalar>& system, ExecutorRef executor) {
     smoother_.update(system, executor);
     const bool refactor = policy_.should_refactor(system.lag_key);
     if (refactor) motion_.pin(hierarchy(), system.pinned);

@@ -53,7 +53,7 @@ class WarpedCholesky {
   }
 
   /// See Preconditioner.
-  void update(const StepSystem<Scalar>& system, ExecutorRef executor) {
+  COROTET_COLD void update(const StepSystem<Scalar>& system, ExecutorRef executor) {
     if (!cholesky_.is_ready()) return;
     turn(system.displacement, executor);
     if (!policy_.should_refactor(system.lag_key)) return;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <concepts>
+#include <corotet/detail/core/span_of.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/mesh/mesh_data.hpp>
 #include <corotet/detail/mesh/surface_mesh.hpp>
@@ -118,7 +119,9 @@ struct VtuCells {
 };
 
 /// The cells of mesh data.
-[[nodiscard]] inline VtuCells vtu_cells(const MeshData& mesh) { return {mesh.connectivity, mesh.nodes_per_element}; }
+[[nodiscard]] inline VtuCells vtu_cells(const MeshData& mesh) {
+  return {detail::span_of(mesh.connectivity), mesh.nodes_per_element};
+}
 
 /// The cells of triangles.
 [[nodiscard]] inline VtuCells vtu_cells(std::span<const std::array<Index, 3>> triangles) {
@@ -127,7 +130,7 @@ struct VtuCells {
 
 /// The cells of a surface.
 [[nodiscard]] inline VtuCells vtu_cells(const SurfaceMesh& surface) {
-  return vtu_cells(std::span<const std::array<Index, 3>>(surface.triangles));
+  return vtu_cells(detail::span_of(surface.triangles));
 }
 
 /// The cells of a mesh, or of a body's.

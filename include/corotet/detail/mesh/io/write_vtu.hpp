@@ -8,6 +8,7 @@
 #include <cmath>
 #include <corotet/detail/core/file_path.hpp>
 #include <corotet/detail/core/result.hpp>
+#include <corotet/detail/core/span_of.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/mesh/io/base64.hpp>
 #include <corotet/detail/mesh/io/file_bytes.hpp>
@@ -131,7 +132,7 @@ inline Result<void> check_vtu_values(const VtuArray& array, std::size_t count, s
   return {};
 }
 
-inline Result<void> add_vtu_arrays(VtuText& text, std::span<const VtuArray> arrays, std::size_t count,
+inline Result<void> add_vtu_arrays(VtuText& text, const std::vector<VtuArray>& arrays, std::size_t count,
                                    std::string_view per) {
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     const VtuArray& array = arrays[i];
@@ -191,8 +192,8 @@ inline Result<void> check_vtu_cells(const VtuCells& cells, std::size_t point_cou
   for (std::size_t c = 0; c < cells; ++c) ends[c] = static_cast<std::int64_t>((c + 1) * nodes);
   const std::vector<std::uint8_t> types(cells, detail::vtk_cell_type(grid.cells.nodes_per_cell));
   text.add_array("connectivity", grid.cells.connectivity, 1);
-  text.add_array("offsets", std::span<const std::int64_t>(ends), 1);
-  text.add_array("types", std::span<const std::uint8_t>(types), 1);
+  text.add_array("offsets", detail::span_of(ends), 1);
+  text.add_array("types", detail::span_of(types), 1);
   text.xml() << "      </Cells>\n    </Piece>\n  </UnstructuredGrid>\n";
   return text.finish();
 }
