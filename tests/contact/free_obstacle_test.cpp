@@ -40,6 +40,23 @@ TEST_P(ContactFree, ABoxOnAColumnPressesItByItsWeight) {
   }
 }
 
+/// Points of contact may be carried by pinned vertices and others: what couples them to a crate moves no pin.
+TEST_P(ContactFree, PinsThatCarryPointsStayUnderABox) {
+  SceneOptions options = cube(method(), 2, 2e5);
+  options.skin = 8;
+  auto scene = make_scene(method(), options);
+  scene->set_gravity({0, 0, -g});
+  scene->obstacles.gravity = {0, 0, -g};
+  scene->pin_where([](const V& x) { return x.z() < 1e-6 || x.x() < 1e-6; });
+  scene->obstacles.add(OrientedBox{{0.19, 0.19, 0.1}}, {.pose = {.position = {0.2, 0.2, 0.51}}, .mass = 20});
+  scene->run(0.5);
+  EXPECT_GT(scene->report().touching, 0);
+  for (Index v = 0; v < scene->vertex_count(); ++v)
+    if (scene->rest(v).z() < 1e-6 || scene->rest(v).x() < 1e-6) {
+      ASSERT_EQ(scene->velocity(v).norm(), 0) << "vertex " << v;
+    }
+}
+
 /// A rigid ball strikes a block beside its middle: both fly. What one gives, the other gets.
 TEST_P(ContactFree, AStrikeKeepsMomentaAndGainsNoEnergy) {
   for (const double mass : {0.5, 10.0, 500.0})
