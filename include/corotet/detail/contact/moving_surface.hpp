@@ -49,22 +49,28 @@ class MovingSurface {
   [[nodiscard]] const Vec3<double>& normal(Index point) const { return normal_[at(point)]; }
   /// All that points pass through.
   [[nodiscard]] const Box& swept() const { return swept_; }
-  /// The longest way of a point, m.
-  [[nodiscard]] double farthest() const { return farthest_; }
+  /// The mean way of all points, and how much that of any differs from it, m.
+  [[nodiscard]] const Vec3<double>& mean_way() const { return mean_way_; }
+  [[nodiscard]] double spread() const { return spread_; }
+  /// What its triangles are in at the start: after `prepare`.
+  [[nodiscard]] Box bounds() const { return tree_.bounds(); }
 
   /// Takes the step's start: `start_of(point)` and `end_of(point)`.
   template <class StartOf, class EndOf>
   void begin_step(const StartOf& start_of, const EndOf& end_of) {
     swept_ = Box{};
-    farthest_ = 0;
+    mean_way_.setZero();
+    spread_ = 0;
     for (Index p = 0; p < points().size(); ++p) {
       start_[at(p)] = start_of(p);
       end_[at(p)] = end_of(p);
       normal_[at(p)].setZero();
       swept_.add(start_[at(p)]);
       swept_.add(end_[at(p)]);
-      farthest_ = (std::max)(farthest_, (end_[at(p)] - start_[at(p)]).norm());
+      mean_way_ += (end_[at(p)] - start_[at(p)]) / double(points().size());
     }
+    for (std::size_t p = 0; p < start_.size(); ++p)
+      spread_ = (std::max)(spread_, (end_[p] - start_[p] - mean_way_).norm());
     is_fresh_ = false;
   }
   /// What queries need; `begin_step` leaves it out, as most steps touch nothing.
@@ -90,17 +96,18 @@ class MovingSurface {
   /// and how far x is before its plane. Of several at the same distance, which share an edge or a corner, the one that
   /// x is farthest before or behind of tells the side (Payne & Toga 1992). If x is no farther than `near_distance`, the
   /// normal is that of the one that faces `towards` most: what rests on a face up to its edge is not pushed aside
-  /// there. Else it is along the way to the nearest point. No triangle: NearestPlace::none.
+  /// there. Else it is along the way to the nearest point. No triangle within `most`: NearestPlace::none.
   template <class Takes>
-  [[nodiscard]] NearestPlace nearest(const Vec3<double>& x, double near_distance, const Vec3<double>& towards,
-                                     const Takes& takes) const {
+  [[nodiscard]] NearestPlace nearest(const Vec3<double>& x, double most, double near_distance,
+                                     const Vec3<double>& towards, const Takes& takes) const {
     NearestPlace best;
     double best2 = 0;
     const auto look_at = [&](Index t) {
       const SimplexPoint<3> closest = closest_on(t, x);
       const Vec3<double> normal = normal_of(t);
       const double height = normal.dot(x - start_[at(triangles()[at(t)][0])]);
-      if (normal.isZero() || !takes(t, closest, height)) return std::numeric_limits<double>::infinity();
+      if (normal.isZero() || closest.squared_distance > most * most || !takes(t, closest, height))
+        return std::numeric_limits<double>::infinity();
       const bool is_better = best.triangle == NearestPlace::none || closest.squared_distance < best2 * (1 - same) ||
                              (closest.squared_distance <= best2 * (1 + same) &&
                               std::fabs(height) > std::fabs(best.surface.distance) * (1 + same));
@@ -111,7 +118,7 @@ class MovingSurface {
       }
       return closest.squared_distance;
     };
-    static_cast<void>(tree_.nearest(x, look_at));
+    static_cast<void>(tree_.nearest(x, look_at, most * most));
     if (best.triangle == NearestPlace::none) return best;
     // Those at the same distance, which the tree need not have looked at.
     for_feature(best, [&](Index t) { static_cast<void>(look_at(t)); });
@@ -181,7 +188,8 @@ class MovingSurface {
   std::vector<Box> boxes_;                          // one a triangle
   BoxTree tree_;
   Box swept_;
-  double farthest_ = 0;
+  Vec3<double> mean_way_ = Vec3<double>::Zero();
+  double spread_ = 0;
   bool is_fresh_ = false;
 };
 

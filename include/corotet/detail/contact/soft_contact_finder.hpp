@@ -44,6 +44,9 @@ class SoftContactFinder {
   [[nodiscard]] static bool may_touch_itself(const Side& a, Index point, Index triangle, const SimplexPoint<3>& closest,
                                              double height, bool has_touched);
   [[nodiscard]] const ContactMemory* memory_at(Index pair, Index point) const;
+  [[nodiscard]] static double near_distance(const Side& a, const Side& b) {
+    return near_share * (std::max)(a.surface.points().extent(), b.surface.points().extent());
+  }
   [[nodiscard]] Index pair_of(Index a, Index b) const { return a * bodies_ + b; }
 
   const ContactOptions& options_;
@@ -55,10 +58,10 @@ class SoftContactFinder {
 
 template <std::floating_point Scalar>
 void SoftContactFinder<Scalar>::find_between(Side& a, Side& b) {
-  const double around =
-      options_.margin + near_share * (std::max)(a.surface.points().extent(), b.surface.points().extent());
-  const double reach = around + (reach_factor - 1) * (a.surface.farthest() + b.surface.farthest());
-  const Vec3<double> inflation = Vec3<double>::Constant(reach);
+  const double around = options_.margin + near_distance(a, b);
+  const double farthest =
+      a.surface.mean_way().norm() + a.surface.spread() + b.surface.mean_way().norm() + b.surface.spread();
+  const Vec3<double> inflation = Vec3<double>::Constant(around + (reach_factor - 1) * farthest);
   const Box there{b.surface.swept().low - inflation, b.surface.swept().high + inflation};
   if (!there.overlaps(a.surface.swept())) return;
   a.surface.prepare();
@@ -74,26 +77,35 @@ void SoftContactFinder<Scalar>::find_between(Side& a, Side& b) {
 template <std::floating_point Scalar>
 bool SoftContactFinder<Scalar>::find(const Side& a, Index point, Side& b) {
   const Vec3<double> start = a.surface.start(point);
-  const double near_distance = near_share * (std::max)(a.surface.points().extent(), b.surface.points().extent());
+  const double near_by = near_distance(a, b);
   const ContactMemory* before = memory_at(pair_of(a.body, b.body), point);
   const Vec3<double> towards = a.surface.normal(point);
   bool fits = true;  // whether the place that was found last may be touched by the way it faces
+  // How far the point may come against the other surface; what lies farther is not looked at. A point inside, which
+  // only one within the bounds can be, may be at any depth.
+  const double reach =
+      options_.margin + near_by +
+      reach_factor * ((a.surface.end(point) - start - b.surface.mean_way()).norm() + b.surface.spread());
+  const bool may_be_inside = before != nullptr || (a.body != b.body && b.surface.bounds().contains(start));
+  const double most = may_be_inside ? std::numeric_limits<double>::infinity() : reach;
   const auto nearest = [&](const Vec3<double>& x, bool at_start) {
+    fits = true;
     if (a.body == b.body)
-      return b.surface.nearest(x, near_distance, towards, [&](Index t, const SimplexPoint<3>& closest, double height) {
+      return b.surface.nearest(x, most, near_by, towards, [&](Index t, const SimplexPoint<3>& closest, double height) {
         return faces(a, point, b, t) && may_touch_itself(a, point, t, closest, height, before != nullptr);
       });
     const auto any = [](Index, const SimplexPoint<3>&, double) { return true; };
-    NearestPlace place = b.surface.nearest(x, near_distance, towards, any);
+    NearestPlace place = b.surface.nearest(x, most, near_by, towards, any);
+    if (place.triangle == NearestPlace::none) return place;
     fits = place.surface.normal.dot(towards) <= most_facing;
     const bool has_come_in = place.surface.distance < 0 || before != nullptr;
-    if (fits || !at_start || (place.surface.distance > near_distance && !has_come_in)) return place;
+    if (fits || !at_start || (place.surface.distance > near_by && !has_come_in)) return place;
     // Come in by the other side of a thin body, or through it, which it leaves by the side on which it came; or beside
     // an edge on which it rests.
     const NearestPlace facing = b.surface.nearest(
-        x, near_distance, towards, [&](Index t, const SimplexPoint<3>&, double) { return faces(a, point, b, t); });
+        x, most, near_by, towards, [&](Index t, const SimplexPoint<3>&, double) { return faces(a, point, b, t); });
     fits = facing.triangle != NearestPlace::none &&
-           (std::fabs(facing.surface.distance) <= near_distance || (has_come_in && facing.surface.distance < 0));
+           (std::fabs(facing.surface.distance) <= near_by || (has_come_in && facing.surface.distance < 0));
     return fits ? facing : place;
   };
   NearestPlace place = nearest(start, true);
@@ -105,13 +117,17 @@ bool SoftContactFinder<Scalar>::find(const Side& a, Index point, Side& b) {
   const Vec3<double> path =
       a.surface.end(point) - start -
       (b.surface.end(place.triangle, place.weights) - b.surface.start(place.triangle, place.weights));
-  const ContactQuery query{start, start + path, a.h, options_.margin, near_distance, options_.max_depenetration};
+  const ContactQuery query{start, start + path, a.h, options_.margin, near_by, options_.max_depenetration};
   double slack = std::numeric_limits<double>::infinity();
   const auto hit = follow_path(
       query, path, less_margin(place.surface), reach_factor,
       [&](const Vec3<double>& x) {
         const NearestPlace next = nearest(x, false);
-        if (next.triangle != NearestPlace::none) place = next;
+        if (next.triangle == NearestPlace::none) {  // farther than it can come
+          fits = false;
+          return SurfaceDistance{reach, place.surface.normal};
+        }
+        place = next;
         return less_margin(place.surface);
       },
       slack);

@@ -89,10 +89,13 @@ class BoxTree {
 
   /// The primitive nearest to `p`, by branch and bound: `squared_distance(primitive)` (m^2) is asked only where the box
   /// is nearer than the best so far, and must be no less than the distance of the box. Of several at the same distance
-  /// the first one met is kept, always the same one for the same tree and point.
+  /// the first one met is kept, always the same one for the same tree and point. Only what is nearer than sqrt(`most`)
+  /// is found.
   template <class SquaredDistance>
-  [[nodiscard]] NearestPrimitive nearest(const Vec3<double>& p, SquaredDistance&& squared_distance) const {
+  [[nodiscard]] NearestPrimitive nearest(const Vec3<double>& p, SquaredDistance&& squared_distance,
+                                         double most = std::numeric_limits<double>::infinity()) const {
     NearestPrimitive best;
+    best.squared_distance = most;
     if (empty()) return best;
     struct Entry {
       Index node;
