@@ -9,6 +9,10 @@
 #include <array>
 #include <chrono>
 #include <corotet/detail/assembly/assemble.hpp>
+#include <corotet/detail/contact/contact_points.hpp>
+#include <corotet/detail/contact/contacts.hpp>
+#include <corotet/detail/contact/obstacles.hpp>
+#include <corotet/detail/contact/sleep.hpp>
 #include <corotet/detail/core/thread_pool.hpp>
 #include <corotet/detail/dynamics/implicit_euler.hpp>
 #include <corotet/detail/dynamics/soft_body.hpp>
@@ -322,6 +326,50 @@ void step_many(benchmark::State& state) {
 }
 BENCHMARK(step_many<Tet4>)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(step_many<Tet10>)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
+
+/// 200 blocks of 162 elements that rest on a floor, stepped (0) or asleep (1). Time a body.
+template <class Element>
+void rest_many(benchmark::State& state) {
+  using Body = SoftBody<float, Element>;
+  const bool sleeps = state.range(0) == 1;
+  Obstacles obstacles;
+  obstacles.add(HalfSpace{});
+  Sleep sleep(obstacles);
+  MeshData data =
+      make_block({.size = {0.3, 0.3, 0.3}, .cells = {3, 3, 3}, .split = BlockSplit::kuhn6, .order = Element::order})
+          .value();
+  const auto model =
+      BodyModel<float, Element>::create(TetMesh<float, Element>::create(std::move(data)).value(), Material{}).value();
+  std::vector<Body> bodies(200, Body(model));
+  std::vector<ImplicitEuler<Body>> integrators;
+  std::vector<Contacts<float>> contacts;
+  const auto points = ContactPoints::boundary(model->mesh()).value();
+  for (Body& body : bodies) {
+    body.set_gravity({0, 0, -9.81F});
+    integrators.emplace_back(body, SolverOptions{.tolerance = 1.5e-3});
+    contacts.emplace_back(points, obstacles, ContactOptions{.friction = 0.5});
+    sleep.add();
+  }
+  const auto step = [&] {
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      StepContext<float> context;
+      context.terms = contacts[i];
+      if (sleeps)
+        sleep.step(static_cast<Index>(i), integrators[i], bodies[i], time_step, context);
+      else
+        integrators[i].step(bodies[i], time_step, context);
+    }
+    obstacles.advance(double(time_step));
+  };
+  for (int i = 0; i < 200; ++i) step();
+  double steps = 0;
+  for (auto _ : state) {
+    step();
+    steps += double(bodies.size());
+  }
+  state.counters["a_body"] = benchmark::Counter(steps, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+BENCHMARK(rest_many<Tet4>)->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
 
 [[maybe_unused]] const bool added = (add_rows<Tet4>("tet4", {20, 50, 100}), add_rows<Tet10>("tet10", {10}), true);
 

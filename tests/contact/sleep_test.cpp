@@ -19,6 +19,7 @@
 
 #include "contact/scene.hpp"
 #include "support/bodies.hpp"
+#include "support/random.hpp"
 
 namespace corotet::sleep_test {
 namespace {
@@ -342,6 +343,62 @@ TEST(SleepIslands, ACrateAcrossTwoBlocksSleepsWithBoth) {
     ASSERT_TRUE(world.all_asleep());
     EXPECT_TRUE(world.obstacles[crate].is_asleep());
   }
+}
+
+/// Blocks in pairs under crates, disturbed now and then: who sleeps does not move, crates sleep with all that carry
+/// them or not at all, and none ever falls.
+TEST(SleepIslands, SleepersNeverMoveAndCratesNeverFall) {
+  World world;
+  world.obstacles.add(HalfSpace{});
+  std::vector<Index> crates;
+  for (int i = 0; i < 6; ++i) {
+    world.add({0.6 * i, 0, 0}, i % 3 == 0 ? 5e5 : 4e6);
+    if (i % 2 == 1)
+      crates.push_back(world.obstacles.add(OrientedBox{{0.45, 0.15, 0.1}},
+                                           {.pose = {.position = {0.6 * i - 0.1, 0.2, 0.52}}, .mass = 10}));
+  }
+  testing::Random random(1);
+  const auto some = [&](std::size_t count) { return static_cast<std::size_t>(random.uniform(0, double(count))); };
+  int asleep_steps = 0, causes = 0;
+  std::vector<bool> slept(world.items.size(), false), crate_slept(crates.size(), false);
+  for (int step = 0; step < 1500; ++step) {
+    if (random.uniform() < 0.02) {
+      ++causes;
+      World::Item& item = *world.items[some(6)];
+      const double which = random.uniform();
+      if (which < 0.3) world.sleep.wake(item.id);
+      if (which > 0.3 && which < 0.6)
+        item.body.external_forces()[some(27)] = Vec3<float>(0, 0, float(random.uniform(-20, 20)));
+      if (which > 0.6) world.obstacles[crates[some(3)]].velocity = V(0, 0, random.uniform(-0.1, 0.1));
+    }
+    std::vector<Field<float>> before;
+    for (const auto& item : world.items) before.push_back(item->body.displacements());
+    world.step();
+    for (std::size_t i = 0; i < world.items.size(); ++i) {
+      const bool sleeps = world.sleep.is_asleep(world.items[i]->id);
+      if (sleeps && slept[i]) {
+        EXPECT_EQ(world.items[i]->body.displacements(), before[i]) << step;
+      }
+      slept[i] = sleeps;
+      asleep_steps += sleeps;
+    }
+    for (std::size_t c = 0; c < crates.size(); ++c) {
+      const Obstacle& crate = world.obstacles[crates[c]];
+      EXPECT_GT(crate.pose().position.z(), 0.44) << step;
+      // One that is woken within a step is let go before the next.
+      if (crate.is_asleep() && crate_slept[c]) {
+        EXPECT_EQ(slept[2 * c], slept[2 * c + 1]) << step;
+        EXPECT_EQ(crate.velocity, V(V::Zero())) << step;
+      }
+      if (slept[2 * c] && slept[2 * c + 1]) {
+        EXPECT_TRUE(crate.is_asleep()) << step;
+      }
+      crate_slept[c] = crate.is_asleep();
+    }
+  }
+  EXPECT_GT(causes, 15);
+  EXPECT_GT(asleep_steps, 1500);
+  EXPECT_LT(asleep_steps, 6 * 1400);
 }
 
 /// A crate that still moves keeps awake what it moves on.

@@ -131,9 +131,8 @@ struct SleepMember {
 /// island: they fall asleep together, and the obstacle with them, and wake together.
 ///
 /// A body wakes, with its island, when an obstacle moves that it touches or that comes near, by `wake`, and when its
-/// state, gravity, forces, pins, materials or terms are changed. Contacts and Attachment tell what changes; with a term
-/// that does not (StepTerm::describe_rest) a body never sleeps. Writing the same values again
-/// wakes nothing.
+/// state, gravity, forces, pins, materials or terms are changed; writing the same values again wakes nothing. Contacts
+/// and Attachment tell what changes; with a term that does not (StepTerm::describe_rest) a body never sleeps.
 ///
 /// Calls for bodies of one Sleep come one after the other. It is deterministic: copies of it, of bodies, integrators,
 /// contacts and obstacles go on as these do. A body that is restored from a snapshot sleeps on where that is the state
