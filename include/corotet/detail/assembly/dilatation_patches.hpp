@@ -231,7 +231,7 @@ class PatchGrower {
 /// Patches of some five to eight elements over the whole mesh; the same for the same mesh. O(n log n).
 template <std::floating_point Scalar, LinearTetrahedron Element>
 [[nodiscard]] DilatationPatches dilatation_patches(const TetMesh<Scalar, Element>& mesh) {
-  return PatchGrower(mesh).result();
+  return PatchGrower<Scalar, Element>(mesh).result();
 }
 
 }  // namespace corotet::inline v0_1::detail

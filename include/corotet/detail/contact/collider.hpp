@@ -44,7 +44,7 @@ struct Sphere {
   /// The distance of a point of the frame, m, and the normal there.
   [[nodiscard]] SurfaceDistance operator()(const Vec3<double>& point) const {
     const double r = point.norm();
-    return {r - radius, r > 0 ? Vec3<double>(point / r) : Vec3<double>::UnitZ()};
+    return {r - radius, r > 0 ? point / r : Vec3<double>::UnitZ()};
   }
   /// Principal moments of inertia of a uniform solid, m^2: of a mass of 1 kg, kg m^2.
   [[nodiscard]] Vec3<double> inertia() const { return Vec3<double>::Constant(0.4 * radius * radius); }
@@ -87,7 +87,7 @@ struct Capsule {
   [[nodiscard]] SurfaceDistance operator()(const Vec3<double>& point) const {
     const Vec3<double> away(point.x(), point.y(), point.z() - std::clamp(point.z(), -half_height, half_height));
     const double r = away.norm();
-    return {r - radius, r > 0 ? Vec3<double>(away / r) : Vec3<double>::UnitX()};
+    return {r - radius, r > 0 ? away / r : Vec3<double>::UnitX()};
   }
   /// See Sphere::inertia.
   [[nodiscard]] Vec3<double> inertia() const {

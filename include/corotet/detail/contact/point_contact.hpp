@@ -197,7 +197,7 @@ struct PointContact {
     Vec3<double> p = (std::max)(0.0, p_n) * normal;
     if (!(most > 0)) return p;
     const double size = q.norm();
-    p += size > most ? Vec3<double>(most / size * q) : q;
+    p += size > most ? most / size * q : q;
     return p;
   }
 };

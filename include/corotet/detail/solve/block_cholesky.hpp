@@ -99,8 +99,8 @@ class BlockCholesky {
   /// False if a pivot is not positive definite to rounding: then there is no factor.
   bool factorize() {
     const Index n = rows();
-    Index *const first = reinterpret_cast<Index*>(work_.data()), *const next = first + n, *const done = next + n,
-                 *const place = done + n;
+    Index *const first = static_cast<Index*>(static_cast<void*>(work_.data())), *const next = first + n,
+                 *const done = next + n, *const place = done + n;
     for (Index k = 0; k < n; ++k) first[k] = -1;
     for (Index k = 0; k < n; ++k) {
       const Index begin = start(k), end = start(k + 1);
@@ -152,8 +152,8 @@ class BlockCholesky {
     Scalar* const all = reinterpret_cast<Scalar*>(value_.data());
     const Index n = rows();
     const Index* const row = symbolic_->row.data();
-    Index *const first = reinterpret_cast<Index*>(work_.data()), *const next = first + n, *const done = next + n,
-                 *const place = done + n;
+    Index *const first = static_cast<Index*>(static_cast<void*>(work_.data())), *const next = first + n,
+                 *const done = next + n, *const place = done + n;
     detail::CompensatedColumn<Scalar> made(work_.data() + index_bytes(), symbolic_->max_column());
     for (Index k = 0; k < n; ++k) first[k] = -1;
     for (Index k = 0; k < n; ++k) {

@@ -21,7 +21,8 @@ class CompensatedColumn {
  public:
   /// In memory of the caller's, aligned for double, of bytes_for(blocks): for columns of at most so many blocks.
   CompensatedColumn(std::byte* memory, std::size_t blocks)
-      : number_(reinterpret_cast<double*>(memory)), lost_(reinterpret_cast<Scalar*>(number_ + stride * blocks)) {}
+      : number_(static_cast<double*>(static_cast<void*>(memory))),
+        lost_(reinterpret_cast<Scalar*>(number_ + stride * blocks)) {}
   [[nodiscard]] static std::size_t bytes_for(std::size_t blocks) {
     return stride * blocks * sizeof(double) + (9 * blocks + 1) * sizeof(Scalar);
   }
