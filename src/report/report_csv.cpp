@@ -75,14 +75,15 @@ const Column columns[] = {
 
 std::string format_csv(const std::vector<StudyReport>& reports) {
   std::string text;
-  for (const Column& column : columns) text += (text.empty() ? "" : ",") + std::string(column.name);
-  for (const Setting& setting : settings()) text += "," + std::string(setting.name);
+  for (const Column& column : columns) text.append(text.empty() ? "" : ",").append(column.name);
+  for (const Setting& setting : settings()) text.append(",").append(setting.name);
   text += "\n";
   for (const StudyReport& report : reports)
     for (const ReportRow& row : report.rows) {
       std::string line;
-      for (const Column& column : columns) line += (&column == columns ? "" : ",") + quoted(column.value(report, row));
-      for (const Setting& setting : settings()) line += "," + quoted(setting.value(row.configuration));
+      for (const Column& column : columns)
+        line.append(&column == columns ? "" : ",").append(quoted(column.value(report, row)));
+      for (const Setting& setting : settings()) line.append(",").append(quoted(setting.value(row.configuration)));
       text += line + "\n";
     }
   return text;
