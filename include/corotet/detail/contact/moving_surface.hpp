@@ -145,7 +145,7 @@ class MovingSurface {
   [[nodiscard]] Vec3<double> normal_of(Index t) const {
     const Vec3<double> area = area_of(t);
     const double size = area.norm();
-    return size > 0 ? Vec3<double>(area / size) : Vec3<double>::Zero();
+    return size > 0 ? area / size : Vec3<double>::Zero();
   }
 
   /// A point of a triangle at the start and after the step by velocities, m.

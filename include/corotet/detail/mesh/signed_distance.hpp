@@ -91,7 +91,7 @@ class SignedDistance {
     if (found.pseudonormal == &face) return {distance, turn_ * face};
     if (found.distance > on_surface_) return {distance, (p - found.point) / distance};
     const double length = found.pseudonormal->norm();
-    return {distance, length > 0 ? Vec3<double>(turn_ / length * *found.pseudonormal) : turn_ * face};
+    return {distance, length > 0 ? turn_ / length * *found.pseudonormal : turn_ * face};
   }
 
   [[nodiscard]] Box bounds() const { return tree_.bounds(); }
