@@ -57,6 +57,28 @@ TEST_P(ContactFree, PinsThatCarryPointsStayUnderABox) {
     }
 }
 
+/// A rigid box of a thousandth of a cube's mass to a thousand times as much lies still on the cube, which lies on a
+/// floor: what the floor bears is no measure for what a light box does, and multipliers do not drive a heavy one.
+TEST(ContactCrate, ABoxOfAnyMassLiesStillOnACube) {
+  for (const double ratio : {1e-3, 1e-1, 1e3}) {
+    SCOPED_TRACE(ratio);
+    auto scene = on_floor(euler, cube(euler, 4, ratio > 1 ? 1e8 : 5e5));
+    const double mass = ratio * scene->total_mass();
+    scene->obstacles.add(OrientedBox{{0.25, 0.25, 0.1}}, {.pose = {.position = {0.2, 0.2, 0.5}}, .mass = mass});
+    scene->run(6);
+    const Obstacle& box = scene->obstacles[1];
+    double fastest = 0;
+    for (int i = 0; i < 60; ++i) {
+      ASSERT_TRUE(scene->step().accepted());
+      fastest = std::max(fastest, box.velocity.norm());
+    }
+    EXPECT_LT(fastest, 1e-3);
+    EXPECT_LT(std::fabs(box.load().impulse.z() / frame_time / (mass * g) - 1), 0.01);
+    EXPECT_NEAR(box.pose().position.z(), 0.5, 0.05 * 0.4);
+    EXPECT_LT(std::hypot(box.pose().position.x() - 0.2, box.pose().position.y() - 0.2), 1e-3);
+  }
+}
+
 /// A rigid ball strikes a block beside its middle: both fly. What one gives, the other gets.
 TEST_P(ContactFree, AStrikeKeepsMomentaAndGainsNoEnergy) {
   for (const double mass : {0.5, 10.0, 500.0})

@@ -19,21 +19,25 @@ inline constexpr double deep_share = 1e-3;
 inline constexpr int last_free_revision = 6;
 
 /// Takes the phases that hold at the solution evaluated last, whose error is at most `error` in the energy norm,
-/// sqrt(J) sqrt(s). True if one has changed.
+/// sqrt(J) sqrt(s). True if one has changed. Impulses count against those of the same obstacle: what a light one bears
+/// is little beside what carries the body.
 template <std::derived_from<PointContact> Contact>
 [[nodiscard]] bool judge(std::vector<Contact>& contacts, double error, bool keeps_limits) {
   constexpr double negligible = 1e-2;   // of the largest impulse
   constexpr double error_share = 0.03;  // of the solution's error that reaches one contact
   constexpr double tangential = 1e-3;
-  double largest = 0;
-  for (const Contact& contact : contacts) largest = (std::max)(largest, contact.normal_trial);
+  const double noise = error_share * error;
   bool changed = false;
-  for (Contact& contact : contacts) {
-    const double noise = error_share * error;
-    changed = contact.judge((std::max)(negligible * largest, noise * square_root(contact.kappa)),
-                            (std::max)(tangential * negligible * largest, noise * square_root(contact.kappa_t)),
-                            keeps_limits) ||
-              changed;
+  for (auto first = contacts.begin(); first != contacts.end();) {
+    auto last = first;
+    double largest = 0;
+    for (; last != contacts.end() && last->obstacle == first->obstacle; ++last)
+      largest = (std::max)(largest, last->normal_trial);
+    for (; first != last; ++first)
+      changed = first->judge((std::max)(negligible * largest, noise * square_root(first->kappa)),
+                             (std::max)(tangential * negligible * largest, noise * square_root(first->kappa_t)),
+                             keeps_limits) ||
+                changed;
   }
   return changed;
 }

@@ -148,16 +148,16 @@ class ContactSet {
   void sort() { std::sort(contacts_.begin(), contacts_.end(), PointContact::precedes); }
 
   /// Remembers contacts with a force and points inside obstacles; of other pieces of the body what was remembered.
-  /// `share`: of the force, that the multiplier takes over, 0 ... 1.
-  template <std::floating_point Scalar>
-  void remember(const TermState<Scalar>& end, double gamma, double share) {
+  /// `share_of(contact)`: of the force, that the multiplier takes over, 0 ... 1.
+  template <std::floating_point Scalar, class ShareOf>
+  void remember(const TermState<Scalar>& end, double gamma, const ShareOf& share_of) {
     next_memory_.clear();
     for (const ContactMemory& memory : memory_)
       if (!is_here(memory.point, end)) next_memory_.push_back(memory);
     const bool has_others = !next_memory_.empty();
     for (const PointContact& contact : contacts_)
       if (contact.is_inside || contact.normal.dot(contact.given) > 0)
-        next_memory_.push_back(memory_of(contact, obstacle_of(contact), gamma, share));
+        next_memory_.push_back(memory_of(contact, obstacle_of(contact), gamma, share_of(contact)));
     if (has_others) std::sort(next_memory_.begin(), next_memory_.end(), ContactMemory::precedes);
     memory_.swap(next_memory_);
   }

@@ -448,7 +448,7 @@ void Contacts<Scalar>::end_step(const TermState<Scalar>& end) {
                         : contact.arm;
   });
   const double share = detail::exactly_equal(h_, gamma_) ? 0.5 : 0.05;  // of the force, for the multiplier
-  set_.remember(end, gamma_, share);
+  set_.remember(end, gamma_, [&](const Contact& contact) { return free_.stable_share(contact, share); });
   report_.dropped += set_.dropped();
   report_.force_change += moved;
   report_.passes = (std::max)(report_.passes, passes_);

@@ -122,14 +122,28 @@ class FreeObstacles {
     for (Body& body : all_) body.change = body.from + fraction * (body.change - body.from);
   }
 
+  /// The share of the force that the multiplier of a contact may take over, at most `share`. Of a mass on springs that
+  /// are lighter than it, multipliers that follow faster grow.
+  [[nodiscard]] double stable_share(const PointContact& contact, double share) const {
+    if (contact.free_body < 0) return share;
+    const Body& body = all_[at(contact.free_body)];
+    return (std::min)(share, 0.5 * body.springs / body.mass(0, 0));
+  }
+
   /// Gives the obstacles the velocities that the impulses on the body leave them: all momentum is kept.
   /// `arm_of(contact)` is where its impulse acts, from the obstacle's centre of mass, m.
   template <class ArmOf>
   void finish(const std::vector<PointContact>& contacts, Obstacles& obstacles, const ArmOf& arm_of) {
-    for (Body& body : all_) body.sum = Twist::Zero();
-    for (const PointContact& contact : contacts)
-      if (contact.free_body >= 0)
-        all_[at(contact.free_body)].sum -= jacobian(arm_of(contact)).transpose() * contact.given;
+    for (Body& body : all_) {
+      body.sum = Twist::Zero();
+      body.springs = 0;
+    }
+    for (const PointContact& contact : contacts) {
+      if (contact.free_body < 0) continue;
+      Body& body = all_[at(contact.free_body)];
+      body.sum -= jacobian(arm_of(contact)).transpose() * contact.given;
+      if (!contact.given.isZero()) body.springs += contact.kappa;
+    }
     for (const Body& body : all_) {
       obstacles[body.obstacle].take({eta_ * body.sum.head<3>(), eta_ * body.sum.tail<3>()});
     }
@@ -140,6 +154,7 @@ class FreeObstacles {
     Index obstacle = 0;
     Matrix<double, 6, 6> mass, inverse = Matrix<double, 6, 6>::Zero();  // M_q and N^-1
     Twist eliminated = Twist::Zero();                                   // V for d = 0
+    double springs = 0;                                                 // of all contacts with a force, kg
     Twist change = Twist::Zero(), from = Twist::Zero(), sum = Twist::Zero();
   };
 
