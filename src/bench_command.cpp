@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <corotet/detail/mesh/io/file_bytes.hpp>
 #include <corotet/detail/mesh/io/read_mesh.hpp>
 #include <corotet/detail/mesh/make_block.hpp>
 #include <corotet/detail/mesh/raise_order.hpp>
@@ -14,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench_contact.hpp"
 #include "command.hpp"
 #include "failure.hpp"
 #include "process_usage.hpp"
@@ -34,6 +36,7 @@ struct BenchOptions {
   PreconditionerKind preconditioner = PreconditionerKind::automatic;
   VolumetricStrain volumetric_strain = VolumetricStrain::pointwise;
   std::string csv;
+  bool contact = false;
 };
 
 std::map<std::string, PreconditionerKind> preconditioners() {
@@ -129,13 +132,19 @@ double max_error(const Scene& scene, const MeshData& mesh, const std::vector<Ind
   return largest;
 }
 
-Row measure(const BenchOptions& options, const std::string& name) {
+Scene scene_of(const BenchOptions& options, const std::string& name) {
   Scene scene;
   scene.mesh = name;
+  scene.order = options.order;
   scene.material = {options.young, options.poisson, 1000};
   scene.volumetric_strain = options.volumetric_strain;
   scene.solver.preconditioner = options.preconditioner;
   scene.solver.tolerance = options.tolerance;
+  return scene;
+}
+
+Row measure(const BenchOptions& options, const std::string& name) {
+  const Scene scene = scene_of(options, name);
   Row row;
   row.mesh = name;
   MeshData mesh = make_mesh(name, options.order);
@@ -243,7 +252,19 @@ void write_csv(const std::string& path, const std::vector<Row>& rows) {
   if (std::fclose(file) != 0 || !written) throw Failure(fmt::format("--csv {}: cannot be written", path));
 }
 
+int bench_contact(const BenchOptions& options) {
+  std::vector<ContactCost> rows;
+  for (const std::string& mesh : options.meshes)
+    for (ContactCost& row :
+         measure_contact(mesh, scene_of(options, mesh), make_mesh(mesh, options.order), options.steps))
+      rows.push_back(std::move(row));
+  fmt::print("{}", format_text(rows));
+  if (!options.csv.empty()) require(write_file(options.csv, format_csv(rows)));
+  return 0;
+}
+
 int bench(const BenchOptions& options) {
+  if (options.contact) return bench_contact(options);
   std::vector<Row> rows;
   int unconverged = 0;
   for (const std::string& mesh : options.meshes) {
@@ -278,6 +299,8 @@ Command add_bench_command(CLI::App& app) {
   syntax->add_option("--dilatation", options->volumetric_strain, "per_element or mean, as in a scene (per_element)")
       ->transform(CLI::CheckedTransformer(std::map<std::string, VolumetricStrain>{
           {"per_element", VolumetricStrain::pointwise}, {"mean", VolumetricStrain::averaged}}));
+  syntax->add_flag("--contact", options->contact,
+                   "Steps of the body on a floor, beside those of the same body whose bottom is pinned");
   syntax->add_option("--csv", options->csv, "Also write the table to this file");
   syntax->footer(
       "The body is held at its least x and falls under gravity along z, in float, density 1000 kg/m^3, lumped mass,\n"
@@ -289,7 +312,8 @@ Command add_bench_command(CLI::App& app) {
       "Examples:\n"
       "  corotet bench\n"
       "  corotet bench M --young 5e7 --preconditioner rigid_aggregates\n"
-      "  corotet bench bunny.msh --threads 2 --csv bunny.csv");
+      "  corotet bench bunny.msh --threads 2 --csv bunny.csv\n"
+      "  corotet bench --contact S M");
   return {syntax, [options] { return bench(*options); }};
 }
 

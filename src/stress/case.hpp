@@ -38,5 +38,6 @@ void add_material_cases(std::vector<Case>& cases);
 void add_scale_cases(std::vector<Case>& cases);
 void add_input_cases(std::vector<Case>& cases);
 void add_endurance_cases(std::vector<Case>& cases);
+void add_contact_cases(std::vector<Case>& cases);
 
 }  // namespace corotet::program::stress

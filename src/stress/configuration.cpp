@@ -69,7 +69,8 @@ std::vector<SolverChoice> solver_choices(Solvers which) {
   using enum PreconditionerKind;
   std::vector<SolverChoice> choices{{"auto", SolverMethod::automatic, automatic},
                                     {"cholesky", SolverMethod::cholesky, automatic}};
-  if (which == Solvers::all)
+  if (which == Solvers::iterative) choices.pop_back();
+  if (which != Solvers::two)
     for (const PreconditionerKind kind : {jacobi, block_jacobi, rigid_aggregates, warped_cholesky})
       choices.push_back({name_of(kind), SolverMethod::pcg, kind});
   return choices;

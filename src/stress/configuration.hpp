@@ -60,8 +60,8 @@ struct Configuration {
 };
 
 /// What a case depends on.
-enum class Solvers { all, two };   ///< two: auto and Cholesky, for runs of many steps
-enum class Ratios { all, three };  ///< three: 0.3 and .499 with and without mean dilatation
+enum class Solvers { all, iterative, two };  ///< iterative: all but Cholesky; two: auto and Cholesky, for long runs
+enum class Ratios { all, three };            ///< three: 0.3 and .499 with and without mean dilatation
 
 [[nodiscard]] std::vector<SolverChoice> solver_choices(Solvers which);
 [[nodiscard]] std::vector<Ratio> ratios(Ratios which);

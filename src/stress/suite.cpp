@@ -97,6 +97,7 @@ std::vector<Case> all_cases() {
   add_scale_cases(cases);
   add_input_cases(cases);
   add_endurance_cases(cases);
+  add_contact_cases(cases);
   return cases;
 }
 

@@ -39,12 +39,19 @@ std::vector<Index> TestBody::pin(const std::function<bool(const Vec3<double>&)>&
   return pinned;
 }
 
+void TestBody::touch(const ContactOptions& options) {
+  ContactScene contact;
+  contact.options = options;
+  require(simulation_->touch(obstacles, contact));
+}
+
 bool TestBody::step() {
   if (!error_.empty()) return false;
   clock_.start();
   last_ = simulation_->step(scene_.dt, pool_, clock_);
   counts_.add(last_);
   if (!last_.accepted()) error_ = fmt::format("step {} was refused: {}", counts_.accepted + 1, last_.advice());
+  obstacles.advance(scene_.dt);
   return error_.empty();
 }
 

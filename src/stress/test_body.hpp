@@ -1,6 +1,8 @@
 // A body under test, and what can be measured of it.
 #pragma once
 
+#include <corotet/detail/contact/contact_options.hpp>
+#include <corotet/detail/contact/obstacles.hpp>
 #include <corotet/detail/core/types.hpp>
 #include <corotet/detail/dynamics/step_report.hpp>
 #include <corotet/detail/mesh/mesh_data.hpp>
@@ -24,6 +26,7 @@ class TestBody {
   [[nodiscard]] Simulation& body() { return *simulation_; }
   [[nodiscard]] const MeshData& mesh() const { return mesh_; }
   [[nodiscard]] const Vec3<double>& rest(Index v) const { return mesh_.positions[at(v)]; }
+  [[nodiscard]] double dt() const { return scene_.dt; }  ///< s
   [[nodiscard]] Index vertices() const { return mesh_.vertex_count(); }
 
   /// World positions and velocities, one function value a vertex. Throws a Failure if the body refuses them.
@@ -33,11 +36,20 @@ class TestBody {
   /// Pins the vertices whose rest position satisfies `where`, where they are now; returns them.
   std::vector<Index> pin(const std::function<bool(const Vec3<double>&)>& where);
 
+  /// Lets the body touch obstacles by the vertices of its boundary: those that are added to `obstacles`. Once. Throws a
+  /// Failure for a body that has no boundary.
+  void touch(const ContactOptions& options);
+  Obstacles obstacles;  ///< move with the body's steps
+  /// Of the last step.
+  [[nodiscard]] ContactReport contact() const { return simulation_->contact_terms().contact_report(); }
+
   /// One step of the scene's length. False once a step has been refused; then nothing moves any more.
   bool step();
   /// Until `steps` are done or `stop` says so after one. False if one was refused.
   bool run(int steps, const std::function<bool()>& stop = nullptr);
 
+  /// Of the last step.
+  [[nodiscard]] double step_ms() const { return clock_.total_ms(); }
   [[nodiscard]] const StepReport& last() const { return last_; }
   [[nodiscard]] const StepCounts& counts() const { return counts_; }
   /// Why no step is possible any more; empty if steps are.

@@ -31,6 +31,22 @@ TEST_F(BenchCommand, PrintsCostsWithTheirErrors) {
   }
 }
 
+/// Each situation has its row, contacts only where there is a floor in reach.
+TEST_F(BenchCommand, SetsContactBesideStepsWithoutIt) {
+  must("bench --contact XS --steps 8 --csv table.csv");
+  const auto rows = read_csv("table.csv");
+  ASSERT_EQ(rows.size(), 5U);
+  for (const auto& row : rows) {
+    EXPECT_GT(std::atof(row.at("ratio").c_str()), 0);
+    EXPECT_GE(std::atof(row.at("worst_ms").c_str()), std::atof(row.at("step_ms").c_str()));
+    if (row.at("situation") == "out of reach")
+      EXPECT_EQ(row.at("contacts"), "0");
+    else
+      EXPECT_NE(row.at("contacts"), "0") << row.at("situation");
+    if (row.at("situation") == "rest") EXPECT_EQ(row.at("contacts"), "33");
+  }
+}
+
 TEST_F(BenchCommand, TighterTolerancesGiveSmallerErrors) {
   const auto error = [&](const std::string& options) {
     must("bench XS --steps 8 --csv table.csv " + options);

@@ -149,5 +149,27 @@ TEST_F(ReportCommand, SaysWhatItCannotDo) {
   }
 }
 
+/// Against closed forms: force and sag of a column on a floor, and the momenta of a strike.
+TEST_F(ReportCommand, ComparesContactWithClosedForms) {
+  must("report --contact --quick --case rest --case strike -o out");
+  const std::vector<Row> rows = read_csv("out/contact.csv");
+  EXPECT_EQ(rows.size(), 2U * 2 * 8);
+  int on_frontier = 0;
+  for (const Row& row : rows) {
+    ASSERT_EQ(row.at("status"), "ok");
+    EXPECT_GT(number(row, "step_ms"), 0);
+    EXPECT_GE(number(row, "passes"), 1);
+    const bool is_sag = row.at("quantity").find("sag") != std::string::npos;
+    EXPECT_LT(number(row, "error"), is_sag ? 0.05 : 1e-3) << row.at("quantity");
+    on_frontier += row.at("frontier") == "1" ? 1 : 0;
+  }
+  EXPECT_GE(on_frontier, 2);
+  EXPECT_NE(read("out/contact.md").find("## rest: "), std::string::npos);
+  EXPECT_NE(read("out/rest_error_time.svg").find("<svg"), std::string::npos);
+  const Outcome unknown = corotet("report --contact --case swing -o out");
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_NE(unknown.err.find("incline_holds"), std::string::npos) << unknown.err;
+}
+
 }  // namespace
 }  // namespace report_command_test

@@ -21,6 +21,13 @@ TEST_F(StressCommand, TheDefaultsPassCasesThatBreakOthers) {
   EXPECT_NE(read("out/stress.md").find("| stretch-8 | pass |"), std::string::npos);
 }
 
+/// The same of contact.
+TEST_F(StressCommand, TheDefaultsPassHardContact) {
+  const Outcome outcome =
+      corotet("stress contact-corner contact-plate contact-deep contact-slide contact-led --quick --only euler tet4");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+}
+
 /// A stretched bar buzzes with the plain tangent.
 TEST_F(StressCommand, FailuresAreShownAsFailures) {
   const Outcome stretch = corotet("stress stretch-4 --quick --only tet4 euler --tangent plain -o out");
