@@ -371,6 +371,38 @@ void rest_many(benchmark::State& state) {
 }
 BENCHMARK(rest_many<Tet4>)->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
 
+/// A copy of a body and of its integrator, which a game spawns, while up to 1,000 are held.
+template <class Element>
+void spawn_by_copy(benchmark::State& state) {
+  using Body = SoftBody<float, Element>;
+  struct Spawned {
+    Body body;
+    ImplicitEuler<Body> integrator;
+  };
+  const BlockOptions options{
+      .size = {1, 0.2F, 0.2F},
+      .cells = Element::order == 1 ? std::array<Index, 3>{5, 3, 3} : std::array<Index, 3>{10, 1, 1},
+      .order = Element::order};
+  Body body = Body::create(TetMesh<float, Element>::create(make_block(options).value()).value(), Material{}).value();
+  body.set_gravity({0, 0, -9.81F});
+  ImplicitEuler<Body> integrator(body);
+  for (int i = 0; i < 3; ++i) integrator.step(body, time_step);
+  constexpr std::size_t most = 1000;
+  std::vector<Spawned> held;
+  held.reserve(most);
+  for (auto _ : state) {
+    if (held.size() == most) {
+      state.PauseTiming();
+      held.clear();
+      state.ResumeTiming();
+    }
+    held.push_back({body, integrator});
+    benchmark::DoNotOptimize(held.back());
+  }
+}
+BENCHMARK(spawn_by_copy<Tet4>)->Unit(benchmark::kMicrosecond);
+BENCHMARK(spawn_by_copy<Tet10>)->Unit(benchmark::kMicrosecond);
+
 [[maybe_unused]] const bool added = (add_rows<Tet4>("tet4", {20, 50, 100}), add_rows<Tet10>("tet10", {10}), true);
 
 }  // namespace

@@ -42,23 +42,22 @@ std::string bits_of(const Scene& s) {
 
 TYPED_TEST(SoftContactLaw, StackedBlocksRestOnEachOther) {
   using Scene = TypeParam;
-  for (const double young : {5e5, 5e7}) {
-    Scene s;
-    s.body.damping.mass = 3;  // a soft stack sways for long
-    s.obstacles.add(HalfSpace{});
-    for (const double i : {0.0, 1.0, 2.0})  // meshes that do not match, each block a little aside of the one below
-      s.add(cube<Scene>({0.02 * i, -0.01 * i, 0.2 * i}, 0.2, 3 + static_cast<Index>(i) % 2), rubber(young));
-    s.set_gravity(9.81);
-    s.run(2);
-    if (this->HasFatalFailure()) return;
-    const double weight = 9.81 * 8;
-    EXPECT_NEAR(s.soft.report().normal_force, (1 + 2) * weight, 0.02 * weight);
-    EXPECT_NEAR(s.members[0]->contacts.report().normal_force, 3 * weight, 0.02 * weight);
-    EXPECT_LT(s.soft.report().deepest, 1e-3 * 0.2);
-    EXPECT_LT(s.fastest(), 0.02);
-    EXPECT_TRUE(s.soft.report().settled);
-    EXPECT_EQ(s.soft.report().dropped, 0);
-  }
+  const double young = Scene::Element::nodes == 4 ? 5e5 : 5e7;
+  Scene s;
+  s.body.damping.mass = 3;  // a soft stack sways for long
+  s.obstacles.add(HalfSpace{});
+  for (const double i : {0.0, 1.0, 2.0})  // meshes that do not match, each block a little aside of the one below
+    s.add(cube<Scene>({0.02 * i, -0.01 * i, 0.2 * i}, 0.2, 3 + static_cast<Index>(i) % 2), rubber(young));
+  s.set_gravity(9.81);
+  s.run(2);
+  if (this->HasFatalFailure()) return;
+  const double weight = 9.81 * 8;
+  EXPECT_NEAR(s.soft.report().normal_force, (1 + 2) * weight, 0.02 * weight);
+  EXPECT_NEAR(s.members[0]->contacts.report().normal_force, 3 * weight, 0.02 * weight);
+  EXPECT_LT(s.soft.report().deepest, 1e-3 * 0.2);
+  EXPECT_LT(s.fastest(), 0.02);
+  EXPECT_TRUE(s.soft.report().settled);
+  EXPECT_EQ(s.soft.report().dropped, 0);
 }
 
 TYPED_TEST(SoftContactLaw, ACollisionKeepsMomentaAndGainsNoEnergy) {
@@ -109,7 +108,7 @@ TYPED_TEST(SoftContactLaw, PressedBlocksBearTheForceOfOneColumn) {
     s.step();
     if (this->HasFatalFailure()) return;
   }
-  for (int i = 0; i < 60; ++i) s.step();
+  for (int i = 0; i < 20; ++i) s.step();
   const double expected = young * strain * edge * edge;
   // Forces of points on triangles pass the patch test with linear elements, with quadratic ones as the mesh gets fine.
   EXPECT_NEAR(s.soft.report().normal_force, expected, (Scene::Element::nodes == 4 ? 1e-3 : 0.02) * expected);
@@ -161,11 +160,7 @@ TYPED_TEST(SoftContactLaw, BodiesThatDoNotTouchMoveAsAlone) {
     s.run(0.3);
     return bits_of(s);
   };
-  if constexpr (std::is_same_v<typename Scene::Integrator, ImplicitEuler<typename Scene::Body>>) {
-    EXPECT_TRUE(bits(true) == bits(false));
-  } else {
-    GTEST_SKIP() << "the first step is of backward Euler where bodies may be near";
-  }
+  EXPECT_TRUE(bits(true) == bits(false));
 }
 
 TYPED_TEST(SoftContactLaw, ThreadsDoNotChangeABit) {
@@ -176,7 +171,7 @@ TYPED_TEST(SoftContactLaw, ThreadsDoNotChangeABit) {
     s.add(cube<Scene>({0, 0, 0.01}, 0.2, 5), rubber(1e5));
     s.add(cube<Scene>({0.05, 0, 0.23}, 0.2, 5), rubber(1e5));
     s.set_gravity(9.81);
-    for (int i = 0; i < 15; ++i) s.step(1.0 / 60, executor);
+    for (int i = 0; i < 8; ++i) s.step(1.0 / 60, executor);
     EXPECT_GT(s.soft.report().touching, 0);
     return bits_of(s);
   };

@@ -42,8 +42,8 @@ struct alignas(4 * sizeof(Scalar)) NodeGradient : std::array<Scalar, 4> {
   [[nodiscard]] COROTET_ALWAYS_INLINE Scalar lame_ratio() const { return (*this)[3]; }
 };
 
-/// The state of a corotated body that Elasticity::evaluate computes. Sized once: an evaluation allocates nothing. Each
-/// vector is followed by one number, so that assembly loads it as a Vec4.
+/// The state of a corotated body that Elasticity::evaluate computes. Sized once: an evaluation allocates nothing.
+/// Copies must be evaluated anew. Each vector is followed by one number, so that assembly loads it as a Vec4.
 template <std::floating_point Scalar, ReferenceElement Element>
 class ElasticEvaluation {
  public:
@@ -128,11 +128,11 @@ class ElasticEvaluation {
   }
 
  private:
-  PaddedField<Scalar> force_;                // [element][node]
-  Buffer<Lanes<Scalar>> volumetric_stress_;  // [batch][point]
-  Buffer<NodeGradient<Scalar>> gradient_;    // [point][element][node]
-  PaddedField<Scalar> mean_gradient_;
-  Buffer<Frame> frame_;  // [batch]
+  Scratch<PaddedVector<Scalar>> force_;       // [element][node]
+  Scratch<Lanes<Scalar>> volumetric_stress_;  // [batch][point]
+  Scratch<NodeGradient<Scalar>> gradient_;    // [point][element][node]
+  Scratch<PaddedVector<Scalar>> mean_gradient_;
+  Scratch<Frame> frame_;  // [batch]
   std::size_t elements_ = 0;
 };
 

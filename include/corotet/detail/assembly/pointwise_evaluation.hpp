@@ -105,8 +105,8 @@ class PointwiseEvaluation : private PointStates<Scalar, Model> {
     return a * (2 * nodes - a - 1) / 2 + b;
   }
 
-  PaddedField<Scalar> force_;  // [element][node]
-  Buffer<Block> block_;        // [element][pair]
+  Scratch<PaddedVector<Scalar>> force_;  // [element][node]
+  Scratch<Block> block_;                 // [element][pair]
 };
 
 /// The sum of element contributions to one 3x3 block of a tangent stiffness.

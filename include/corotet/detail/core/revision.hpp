@@ -23,6 +23,20 @@ namespace detail {
   return {&last, last.fetch_add(1, std::memory_order_relaxed) + 1};
 }
 
+/// Of what lies in Scratch memory, whose copies have no values: copies have no state.
+struct ScratchRevision : Revision {
+  ScratchRevision() = default;
+  ScratchRevision(const Revision& revision) : Revision(revision) {}  // NOLINT(google-explicit-constructor): as one
+  ScratchRevision(const ScratchRevision&) : Revision() {}
+  ScratchRevision(ScratchRevision&&) noexcept = default;
+  ScratchRevision& operator=(const ScratchRevision&) {  // NOLINT(cert-oop54-cpp): of itself too
+    static_cast<Revision&>(*this) = {};
+    return *this;
+  }
+  ScratchRevision& operator=(ScratchRevision&&) noexcept = default;
+  ~ScratchRevision() = default;
+};
+
 }  // namespace detail
 
 }  // namespace corotet::inline v0_1

@@ -297,7 +297,7 @@ class LinearizedStep {
   TermSum<Scalar> terms_;
   DeterministicReduction<2> sums_;
   DeterministicReduction<3> momentum_;
-  Revision revision_;  // of the body's state in evaluation_, if it is one
+  ScratchRevision revision_;  // of the body's state in evaluation_, if it is one
   LagKey lag_key_;
   std::uint64_t lag_key_number_ = 0;
 };
