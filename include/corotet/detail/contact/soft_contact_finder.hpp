@@ -37,6 +37,7 @@ class SoftContactFinder {
  private:
   static constexpr double most_facing = 0.3;   // cosine of a point's normal and that of what it may touch
   static constexpr double reach_factor = 1.5;  // how far a path is looked at, to its length
+  static constexpr double lead_out_time = 1;   // s, in which a point inside is led through the smaller body at most
   static constexpr double start_share = 1e-5;  // of the points' extent: what moves in by more touches
 
   [[nodiscard]] bool find(const Side& a, Index point, Side& b);
@@ -150,7 +151,9 @@ bool SoftContactFinder<Scalar>::find(const Side& a, Index point, Side& b) {
   contact.led.setZero();
   contact.arm.setZero();
   contact.friction = options_.friction;
-  contact.set_gap(hit->surface.distance, options_.max_depenetration * a.h);
+  // Faster, edges that cross would throw small bodies about.
+  const double extent = (std::min)(a.surface.points().extent(), b.surface.points().extent());
+  contact.set_gap(hit->surface.distance, (std::min)(options_.max_depenetration, extent / lead_out_time) * a.h);
   if (before != nullptr) contact.take(*before);
   const Vec3<double> end = a.surface.end(point) - b.surface.end(place.triangle, place.weights);
   const double moves_in = -(contact.gap + contact.normal.dot(end - contact.reference));

@@ -48,7 +48,8 @@ struct SoftTouch {
 /// and terms, of its own. Points of each surface are tested against the triangles of the others; edges may cross where
 /// meshes are coarse. Bodies that touch are stepped by backward Euler, and in Newton's method contact is solved for
 /// once. A body of several pieces that do not touch has no contact here: make bodies of them. Solvers without a
-/// preconditioner refuse the step (SolveStatus::invalid_options).
+/// preconditioner refuse the step (SolveStatus::invalid_options). Points inside another body are led out no faster than
+/// the smaller one's extent in a second.
 template <std::floating_point Scalar>
 class SoftContacts {
  public:
