@@ -19,7 +19,7 @@ class ObstacleOutput {
 
   /// One row for each obstacle: t (s), its number, its pose, and the force (N) and torque (N m) that bodies exerted on
   /// it in the last step, of h s.
-  void add_rows(double t, double h, const ObstacleRun& obstacles);
+  void add_rows(double t, double h, const ObstacleRun& run);
   void add_frame(double t, const ObstacleRun& obstacles);
 
  private:

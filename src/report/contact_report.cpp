@@ -84,7 +84,7 @@ std::string format_contact_markdown(const std::vector<ContactCaseReport>& report
       "other "
       "row of this stiffness has less error of the first quantity for less time.\n";
   for (const ContactCaseReport& report : reports) {
-    text += fmt::format("\n## {}: {}\n\nKnown: {}", report.of.name, report.of.title, report.of.known_from);
+    text += fmt::format("\n## {}: {}\n\n{}: {}", report.of.name, report.of.title, "Known", report.of.known_from);
     for (const double young : report.of.youngs)
       for (const ContactRow& row : report.rows)
         if (row.setting.young == young && row.status == "ok") {

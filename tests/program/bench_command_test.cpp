@@ -43,7 +43,9 @@ TEST_F(BenchCommand, SetsContactBesideStepsWithoutIt) {
       EXPECT_EQ(row.at("contacts"), "0");
     else
       EXPECT_NE(row.at("contacts"), "0") << row.at("situation");
-    if (row.at("situation") == "rest") EXPECT_EQ(row.at("contacts"), "33");
+    if (row.at("situation") == "rest") {
+      EXPECT_EQ(row.at("contacts"), "33");
+    }
   }
 }
 

@@ -428,7 +428,7 @@ COROTET_COLD inline void Sleep::fall_asleep_with(Index i) {
     members_[at(j)].reached = true;
     island_.push_back(j);
   };
-  for (std::size_t k = 0; k < island_.size(); ++k) {
+  for (std::size_t k = 0; k < island_.size(); ++k) {  // NOLINT(modernize-loop-convert): it grows
     const Index here = island_[k];
     if (members_[at(here)].quiet < options_.time) return;
     for (const SleepMember::Support& support : members_[at(here)].supports)

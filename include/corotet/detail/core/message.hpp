@@ -17,10 +17,10 @@ namespace corotet::inline v0_1::detail {
 /// A piece of a message. Text is referred to, not copied.
 struct MessagePart {
   MessagePart(const char* words) : text(words), size(to_the_zero) {}  // NOLINT(google-explicit-constructor)
-  MessagePart(std::string_view words)
-      : text(words.data()), size(std::ptrdiff_t(words.size())) {}  // NOLINT(google-explicit-constructor)
-  MessagePart(const std::string& words)
-      : MessagePart(std::string_view(words)) {}  // NOLINT(google-explicit-constructor)
+  MessagePart(std::string_view words)                                 // NOLINT(google-explicit-constructor)
+      : text(words.data()), size(std::ptrdiff_t(words.size())) {}
+  MessagePart(const std::string& words)  // NOLINT(google-explicit-constructor)
+      : MessagePart(std::string_view(words)) {}
   template <std::integral Integer>
   // NOLINTNEXTLINE(google-explicit-constructor)
   MessagePart(Integer value) : integer(static_cast<long long>(value)), size(is_integer) {}

@@ -82,7 +82,7 @@ class [[nodiscard]] Result {
   /// A success.
   Result(T value) : value_(std::move(value)), ok_(true) {}  // NOLINT(google-explicit-constructor)
   /// A failure.
-  Result(const Error& error) : error_(error) {}        // NOLINT(google-explicit-constructor)
+  Result(const Error& error) : error_(error) {}  // NOLINT(google-explicit-constructor)
   /// The same.
   Result(Error&& error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
   /// For the library: of an error that there is.
@@ -166,9 +166,9 @@ class [[nodiscard]] Result<void> {
  public:
   Result() = default;
   /// A failure.
-  Result(const Error& error) : error_(error) {}                      // NOLINT(google-explicit-constructor): as above
+  Result(const Error& error) : error_(error) {}  // NOLINT(google-explicit-constructor): as above
   /// The same.
-  Result(Error&& error) : error_(std::move(error)) {}                // NOLINT(google-explicit-constructor)
+  Result(Error&& error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
   /// Of an error, or of none.
   Result(detail::OptionalError error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
 

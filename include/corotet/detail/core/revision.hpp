@@ -27,7 +27,7 @@ namespace detail {
 struct ScratchRevision : Revision {
   ScratchRevision() = default;
   ScratchRevision(const Revision& revision) : Revision(revision) {}  // NOLINT(google-explicit-constructor): as one
-  ScratchRevision(const ScratchRevision&) : Revision() {}
+  ScratchRevision(const ScratchRevision&) : Revision() {}  // NOLINT(bugprone-copy-constructor-init): as it says
   ScratchRevision(ScratchRevision&&) noexcept = default;
   ScratchRevision& operator=(const ScratchRevision&) {  // NOLINT(cert-oop54-cpp): of itself too
     static_cast<Revision&>(*this) = {};

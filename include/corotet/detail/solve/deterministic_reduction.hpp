@@ -66,11 +66,11 @@ template <class A, class B>
 }
 
 /// Sums over ranges of fixed length, each by one task, then over the ranges in order and in double.
-class RangeSums {
+class SumsOfRanges {
  public:
-  RangeSums() = default;
+  SumsOfRanges() = default;
   /// Of a field with so many entries; so many sums at once.
-  RangeSums(Index count, std::size_t sums) : count_(count), partial_(at((count + grain - 1) / grain) * sums) {}
+  SumsOfRanges(Index count, std::size_t sums) : count_(count), partial_(at((count + grain - 1) / grain) * sums) {}
 
   /// Sets `sums`, a std::array, to the sums of `part(begin, end)`, which returns what that can be made of.
   template <class Sums, class Part>
@@ -128,10 +128,10 @@ class DeterministicReduction {
   [[nodiscard]] MemoryUse memory() const { return ranges_.memory(); }
 
   /// Entries a task.
-  static constexpr Index grain = RangeSums::grain;
+  static constexpr Index grain = SumsOfRanges::grain;
 
  private:
-  RangeSums ranges_;
+  SumsOfRanges ranges_;
 };
 
 }  // namespace detail
@@ -154,10 +154,10 @@ class DeterministicSum {
   /// Bytes of its own.
   [[nodiscard]] MemoryUse memory() const { return ranges_.memory(); }
 
-  static constexpr Index grain = detail::RangeSums::grain;  ///< entries a task
+  static constexpr Index grain = detail::SumsOfRanges::grain;  ///< entries a task
 
  private:
-  detail::RangeSums ranges_;
+  detail::SumsOfRanges ranges_;
 };
 
 }  // namespace corotet::inline v0_1
